@@ -1269,8 +1269,8 @@ typedef struct rbdi_scratch { /* per link, during one call */
 typedef struct rbdi_branch { /* per branch point: a link with a child that is not the next link; [design] */
     rbdi_state state;        /* for those children, in rnea and kinematics; aba's pass 1: omega */
     rbdi_motion y;           /* for them, in aba's pass 3 */
-    rbdi_abi I;              /* sum of theirs, in aba's pass 2; pass 1 clears it */
-    rbdi_rbi C;              /* sum of theirs, in crba */
+    rbdi_abi I; /* sum of their IA, in aba's pass 2; pass 1 clears it; rbdi_check_bodies: of their K */
+    rbdi_rbi C; /* sum of their composite bodies, in crba */
 } rbdi_branch;
 
 typedef struct rbdi_block_work { /* per block */
@@ -1290,8 +1290,8 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
 #define RBDI_WORK_ARRAYS(ARRAY, nl, nblock, nbranch, ndof, nqx, nv, nh) \
     ARRAY(rbd_real, angle, RBDI_PADDED(nl))         /* joint angles less these right angles */ \
     ARRAY(rbd_real, quarters, RBDI_PADDED(nl))      /* right angles */ \
-    ARRAY(rbd_real, c, RBDI_PADDED(nl))             /* cosines of the whole angles */ \
-    ARRAY(rbd_real, s, RBDI_PADDED(nl))             /* sines */ \
+    ARRAY(rbd_real, cosine, RBDI_PADDED(nl))        /* of the whole angles */ \
+    ARRAY(rbd_real, sine, RBDI_PADDED(nl))          /* of the whole angles */ \
     ARRAY(ptrdiff_t, start, RBDI_PADDED_STARTS(nv)) /* [packed matrix]: where rows of a matrix begin */ \
     ARRAY(rbdi_branch, branch, nbranch) \
     ARRAY(rbdi_block_work, block, nblock) \
@@ -1300,7 +1300,7 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
     ARRAY(rbdi_kin, kin, nl) \
     ARRAY(rbd_real, rotors, 1)   /* kinetic energy of the armatures */ \
     ARRAY(rbd_real, zero, ndof)  /* zeros */ \
-    ARRAY(rbd_real, pivot, ndof) /* pivots of the last factorisation */ \
+    ARRAY(rbd_real, pivot, ndof) /* pivots of the last factorisation or, where one is in doubt, verdicts */ \
     ARRAY(rbd_real, bias, nv) \
     ARRAY(rbd_real, F, 6 * RBDI_STRIDE(ndof)) /* scratch of a call, behind RBDI_CHUNK zeros */ \
     ARRAY(rbd_real, H, nh) \
@@ -1874,9 +1874,9 @@ RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask 
 /* 1 / D of a pivot, 0 where that would overflow. The pivot is in doubt if it is small beside scale, the
    inertia that it came from: see [tolerances]. */
 RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
-    rbdi_mask none = rbdi_less(D, D);
+    rbdi_mask tiny = rbdi_less(D, D); /* not asked: such a pivot is in doubt as well */
     *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
-    return rbdi_reciprocal(D, RBDI_TINY, &none);
+    return rbdi_reciprocal(D, RBDI_TINY, &tiny);
 }
 #endif
 
@@ -1907,7 +1907,7 @@ typedef uint32_t rbdi_bit;
 RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
 #if RBDI_BATCH > 1
     const rbdi_batch zero = {0};
-    return x - zero;
+    return x - zero; /* x + zero would lose the sign of -0 */
 #else
     return x;
 #endif
@@ -2150,13 +2150,14 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
     *c = rbdi_first_lane(cosine);
 }
 
-/* Sines and cosines of the angles first .. end - 1 plus right angles, in as few batches as can be, aligned if
-   these are as few. Entries that share a batch with them are written too; the arrays are padded. The error is
-   below 2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it. */
+/* Sines and cosines of the angles first .. end - 1 plus right angles, in the least number of batches, which
+   are aligned where that takes no more. Entries that share a batch with them are written too. The arrays are
+   padded. The error is below 2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it.
+   */
 RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int first, int end, rbd_real *s,
                                  rbd_real *c) {
     const int size = (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-    int start = first / RBDI_BATCH * RBDI_BATCH;
+    int start = first / RBDI_BATCH * RBDI_BATCH; /* aligned */
     rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
     rbdi_bit any = 0;
 
@@ -2166,11 +2167,14 @@ RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, in
         beyond |= rbdi_beyond(angle * angle, RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
         rbdi_sincos_batch(angle, *(const rbdi_batch *)&quarters[i], (rbdi_batch *)&s[i], (rbdi_batch *)&c[i]);
     }
+
+    /* large angles anew, one by one */
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
+
     for (int i = first; any && i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif
@@ -3120,24 +3124,26 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
    or, if it has none, a block: a joint with several axes through one point. To add a type:
 
      always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
-     a chain     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
-                 chain needs no more. Coordinates other than angles and lengths are a new kind of link
+     a chain     of links that turn or slide needs that row alone and, for lengths, motion/manifold.h:
+                 rbdi_random_joint. For links of another kind, as screws: model/links.h: rbdi_build_joint
      a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
                  rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
                  slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
      v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and
      the rate    rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint,
      of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
-     its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
+     its fields  model/describe.h: rbdi_describe_joint, if a description has fields for it other than axis and
+                 axis2
 
-   Floating joints are known in four more places, as bases of robots: model/features.h,
-   constraints/weights.h, contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks
-   whether a joint is fixed. No other room names a type: the test `rooms` compares. */
+   Floating joints are known in more places, as bases of robots: model/features.h, constraints/weights.h,
+   contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks whether a joint is fixed. No
+   other room names a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
-   those of the joint frame. A type without axes is a block. */
+   those of the joint frame. A link turns about a small letter, and slides along a capital one. A type without
+   axes is a block. */
 typedef struct rbdi_joint_fact {
-    int nq, nv;
+    signed char nq, nv;
     char axes[4];
 } rbdi_joint_fact;
 
@@ -3147,9 +3153,9 @@ RBDI_PART const rbdi_joint_fact *rbdi_joint_facts(int type) {
         {1, 1, "a"},   /* revolute */
         {1, 1, "a"},   /* continuous */
         {2, 1, "a"},   /* continuous_cs */
-        {1, 1, "a"},   /* prismatic */
+        {1, 1, "A"},   /* prismatic */
         {1, 1, "a"},   /* helical */
-        {2, 2, "aa"},  /* cylindrical */
+        {2, 2, "aA"},  /* cylindrical */
         {2, 2, "ab"},  /* universal */
         {4, 3, ""},    /* spherical */
         {3, 3, "zyx"}, /* Euler zyx */
@@ -3163,6 +3169,10 @@ RBDI_PART const rbdi_joint_fact *rbdi_joint_facts(int type) {
 
     return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
 }
+
+/* Whether a letter of rbdi_joint_fact.axes is that of a link that slides; and as a small letter. */
+RBDI_INLINE int rbdi_axis_slides(char letter) { return !(letter & ('a' ^ 'A')); }
+RBDI_INLINE char rbdi_axis_name(char letter) { return (char)(letter | ('a' ^ 'A')); }
 
 /* The first spatial unit axis, omega_x .. omega_z, v_x .. v_z, of a block's dofs. The others follow it. */
 RBDI_INLINE int rbdi_first_axis(int type) {
@@ -3179,12 +3189,10 @@ RBDI_INLINE int rbdi_type_turns(int type) {
 /* Whether the last four coordinates are a quaternion. */
 RBDI_INLINE int rbdi_has_quaternion(int type) { return type == RBD_SPHERICAL || type == RBD_FLOATING; }
 
-/* Number of links of a joint. */
+/* Number of links of a joint: of a chain one for each dof, of a block one. */
 RBDI_PART int rbdi_links_of(int type) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(type);
-    int n = 0;
-    while (fact->axes[n]) ++n;
-    return n == 0 && fact->nv > 0 ? 1 : n;
+    return fact->axes[0] ? fact->nv : fact->nv > 0;
 }
 
 RBDI_PART int rbdi_can_mimic(int type) {
@@ -3196,13 +3204,16 @@ RBDI_PART int rbdi_has_limits(int type) {
 }
 
 /* ==== src/model/calls.h ==== */
-/* Interface: rbdi_check, rbdi_check_dynamics, rbdi_stride */
+/* Interface: rbdi_check, rbdi_check_dynamics, rbdi_has_shape, rbdi_stride */
 
-/* Whether the work's arrays have the lengths that the model needs. The model's address is not compared:
-   another model may have been built there, and one table may stand at two. */
-RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
-    return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
+/* Whether memory that was made for a model of this shape has the arrays' lengths that the model needs.
+   The model's address is not compared: another model may have been built there, and one table may stand
+   at two. */
+RBDI_INLINE int rbdi_has_shape(const rbd_model *m, const uint64_t shape[RBDI_SHAPE]) {
+    return m->shape[0] == shape[0] && m->shape[1] == shape[1] && m->shape[2] == shape[2];
 }
+
+RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) { return rbdi_has_shape(m, w->shape); }
 
 /* The first check of every call with a model and a work. arrays: none of the caller's required ones is
    NULL. The program must support the model, and the work must fit it. */
@@ -3315,7 +3326,8 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
    angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in
    double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
-    int all_done = 1, from = first;
+    int plain = 1;    /* whether no link slides or has (cos, sin) as coordinates */
+    int from = first; /* of the sines: blocks at the beginning have none */
 
     /* angles of turning links, slides, poses of blocks */
     for (int i = first; i < end; ++i) {
@@ -3325,11 +3337,11 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
         if (rbdi_is(l, RBDI_REVOLUTE)) {
             w->angle[i] = q[l->iq] + l->gamma;
         } else if (rbdi_is(l, RBDI_BLOCK)) {
-            from += i == from; /* a base has no sine */
+            from += i == from;
             w->angle[i] = rbdi_zero();
             w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
         } else {
-            all_done = 0;
+            plain = 0;
             w->angle[i] = rbdi_zero();
             if (l->rho > 0 && rbdi_is(l, RBDI_SCREW)) w->angle[i] = q[l->iq] + l->gamma;
             if (rbdi_is(l, RBDI_SCREW)) w->d[i] = q[l->iq] * l->kappa + l->d;
@@ -3337,13 +3349,14 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
     }
 
 #ifdef RBDI_POLYNOMIAL_SINCOS
-    rbdi_sincos_array(w->angle, w->quarters, from, end, w->s, w->c);
+    rbdi_sincos_array(w->angle, w->quarters, from, end, w->sine, w->cosine);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
-    for (int i = from; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i)
+        RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->sine[i], &w->cosine[i]);
 #else
-    for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->sine[i], &w->cosine[i]);
 #endif
-    if (all_done) return;
+    if (plain) return;
 
     /* joints whose q is (cos, sin), and links that only slide */
     for (int i = from; i < end; ++i) {
@@ -3352,11 +3365,11 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
             rbdi_unit_cs(&q[l->iq], &c, &s);
-            w->c[i] = c * l->cg - s * l->sg;
-            w->s[i] = c * l->sg + s * l->cg;
+            w->cosine[i] = c * l->cg - s * l->sg;
+            w->sine[i] = c * l->sg + s * l->cg;
         } else if (rbdi_is(l, RBDI_SCREW) && !(l->rho > 0)) {
-            w->c[i] = rbdi_set(l->cg);
-            w->s[i] = rbdi_set(l->sg);
+            w->cosine[i] = rbdi_set(l->cg);
+            w->sine[i] = rbdi_set(l->sg);
         }
     }
 }
@@ -3369,8 +3382,8 @@ RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
 /* The state of a one-axis joint after rbdi_joints or rbdi_range_joints. */
 RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
-    t.c = w->c[i];
-    t.s = w->s[i];
+    t.c = w->cosine[i];
+    t.s = w->sine[i];
     t.d = flags & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
     return t;
 }
@@ -3617,12 +3630,13 @@ RBDI_PART rbdi_limits rbdi_limits_of_mimic(const rbd_model *m, int i) {
    Table 5.1 has a_i = X a_p + S qdd + c with c = v x S qd. The terms of c with linear velocity are in Omega
    here. */
 
-/* Velocity-product terms that a joint with velocity J adds to (omega_dot, acc); omega is the parent's angular
-   velocity in link axes. */
-RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega, rbdi_motion J) {
+/* Velocity-product terms that a joint with velocity J adds to (omega_dot; acc), with omega_E = E omega_p:
+
+       (omega_E x J_omega; (2 omega_E + J_omega) x J_v) */
+RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega_E, rbdi_motion J) {
     rbdi_motion c;
-    c.omega = rbdi_cross(omega, J.omega);
-    c.v = rbdi_cross(rbdi_add(rbdi_add(omega, omega), J.omega), J.v);
+    c.omega = rbdi_cross(omega_E, J.omega);
+    c.v = rbdi_cross(rbdi_add(rbdi_add(omega_E, omega_E), J.omega), J.v);
     return c;
 }
 
@@ -3639,7 +3653,7 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_tri
                                          rbd_real qd, rbd_real qdd) {
     const int screw = flags & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
-    rbdi_v3 omega = rbdi_vec0();
+    rbdi_v3 omega_E = rbdi_vec0(); /* E omega_p */
     rbdi_state s;
 
     /* omega, omega_dot, acc_p + Omega_p r */
@@ -3647,17 +3661,17 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_tri
         s.omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         s.omega_dot = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
     } else {
-        omega = rbdi_down(l, flags, t, p.omega);
+        omega_E = rbdi_down(l, flags, t, p.omega);
         s.omega_dot = rbdi_down(l, flags, t, p.omega_dot);
-        s.omega_dot = rbdi_vec(s.omega_dot.x + turn * omega.y, s.omega_dot.y - turn * omega.x,
+        s.omega_dot = rbdi_vec(s.omega_dot.x + turn * omega_E.y, s.omega_dot.y - turn * omega_E.x,
                                s.omega_dot.z + turn_rate);
-        s.omega = rbdi_vec(omega.x, omega.y, omega.z + turn);
+        s.omega = rbdi_vec(omega_E.x, omega_E.y, omega_E.z + turn);
         if (flags & RBDI_SHIFT_R) p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, flags, p));
     }
 
     /* acc = E (acc_p + Omega_p r) + Omega d z + 2 (E omega_p) x z slide + z slide_dot */
     s.acc = rbdi_down(l, flags, t, p.acc);
-    if (flags & RBDI_SHIFT_Z) { /* points of the axis belong to both bodies */
+    if (flags & RBDI_SHIFT_Z) { /* Omega z is also that of the parent: the axis is fixed in both bodies */
         const rbdi_mat O = rbdi_omega(s.omega, s.omega_dot);
         s.acc.x = s.acc.x + t.d * O.xz;
         s.acc.y = s.acc.y + t.d * O.yz;
@@ -3665,32 +3679,37 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_tri
     }
 
     if (screw) {
-        rbd_real k = (qd + qd) * l->kappa;
-        s.acc.x = s.acc.x + k * omega.y;
-        s.acc.y = s.acc.y - k * omega.x;
+        rbd_real twice_slide = (qd + qd) * l->kappa;
+        s.acc.x = s.acc.x + twice_slide * omega_E.y;
+        s.acc.y = s.acc.y - twice_slide * omega_E.x;
         s.acc.z = s.acc.z + qdd * l->kappa;
     }
 
     return s;
 }
 
-/* The same of a block; s: the parent's state, which becomes the link's. */
+/* The same of a block. s: the parent's state, which becomes the link's. With J = S v, Jd = S a, omega_E =
+   E omega_p and c of rbdi_joint_product:
+
+       omega     = omega_E + J_omega
+       omega_dot = E omega_dot_p + c_omega + Jd_omega
+       acc       = E (acc_p + Omega_p r) + c_v + Jd_v */
 RBDI_PART void rbdi_forward_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
                                   const rbd_real *v, const rbd_real *a, rbdi_state *s) {
     const rbdi_block *b = rbdi_block_of(m, l);
     const rbdi_pose *X = &w->block[l->block].X;
     const rbdi_motion J = rbdi_block_motion(b, &v[l->iv]), Jd = rbdi_block_motion(b, &a[l->iv]);
     rbdi_motion c;
-    rbdi_v3 omega = rbdi_vec0(), omega_dot = omega, acc = s->acc;
+    rbdi_v3 omega_E = rbdi_vec0(), omega_dot = omega_E, acc = s->acc;
 
-    if (!rbdi_on_world(l)) {
-        omega = rbdi_mul(X->E, s->omega);
+    if (!rbdi_on_world(l)) { /* the world does not turn */
+        omega_E = rbdi_mul(X->E, s->omega);
         omega_dot = rbdi_mul(X->E, s->omega_dot);
         acc = rbdi_add(acc, rbdi_mul(rbdi_omega(s->omega, s->omega_dot), X->r));
     }
 
-    c = rbdi_joint_product(omega, J);
-    s->omega = rbdi_add(omega, J.omega);
+    c = rbdi_joint_product(omega_E, J);
+    s->omega = rbdi_add(omega_E, J.omega);
     s->omega_dot = rbdi_add(omega_dot, rbdi_add(c.omega, Jd.omega));
     s->acc = rbdi_add(rbdi_mul(X->E, acc), rbdi_add(c.v, Jd.v));
 }
@@ -3703,7 +3722,10 @@ RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity) {
     return s;
 }
 
-/* Wrench that moves a link: f = Omega h + m acc, n_x = K_zy - K_yz and so on of K = Omega Sigma + acc h'.
+/* Wrench that moves a link, with O = Omega:
+
+       f = Omega h + m acc,   n = (K_zy - K_yz; K_xz - K_zx; K_yx - K_xy),   K = Omega Sigma + acc h'
+
    A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
 RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int flags, rbdi_mat O, const rbdi_v3 *acc) {
     const rbdi_csym Sigma = l->Sigma;
@@ -4069,10 +4091,10 @@ RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C)
     return own;
 }
 
-/* Moves the wrenches of the dofs of link i's subtree to the parent's frame, and that of its own dof, which is
-   not there yet. They are kept by component, so that a batch of them moves at once; batches count from the
-   last dof down and may reach below the first: what lies there is not set yet. The link's own is put into the
-   batch, for a batch cannot be loaded without a wait from where scalars were stored just before. */
+/* Moves the wrenches of the dofs of link i's subtree to the parent's frame: those in w->F, and `own` of its
+   own dof, which is not there yet. They are kept by component, so that a batch of them moves at once. Batches
+   count from the last dof down. The last one may reach below the first dof, where nothing is set yet. `own`
+   goes directly into the batch: to load a batch where scalars were just stored makes the processor wait. */
 RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                               rbdi_force own) {
     const rbdi_link *l = &m->link[i];
@@ -4133,7 +4155,7 @@ RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int k, int depth, 
     return e;
 }
 
-/* The entry of solver's dof j. */
+/* Stores the entry of the solver's dof j. */
 RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x) {
     if (!e.full) {
         e.H[e.order[j].row] = x;
@@ -4241,15 +4263,16 @@ RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i
     return rbdi_rbi_zero();
 }
 
-/* The same, of any flags and stride. */
+/* The same with flags and stride that the compiler does not know. */
 RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
                               rbdi_rbi *carried, rbd_real *H, rbd_real *M) {
     *carried = rbdi_crba_step(m, w, i, rbdi_flags(&m->link[i]), stride, *carried, H, M);
 }
 
-/* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before.
-   With mimic joints into H and the rows behind it; rbdi_reduce_H does the rest. At -Os the full matrix alone
-   has code for common flags, which saves a fifth of its instructions: packed it is a part of larger calls. */
+/* RBDA table 6.2, into the packed tree matrix H or, if M is given, into the full matrix, which is zero
+   before. With mimic joints into H and the rows behind it, which rbdi_reduce_H adds up. `full` is M != NULL,
+   known to the compiler: at -Os the full matrix has code for common flags, which saves a fifth of its
+   instructions. The packed one has none: there it is a part of larger calls. */
 RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M, int full) {
     const rbd_model model = *m; /* copies, which no store into H or w->F can be thought to change */
     const rbd_work work = *w;
@@ -4257,6 +4280,8 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
 
     for (int i = 0; i < m->nbranch; ++i) w->branch[i].C = carried;
+
+    /* more dofs than the fixed stride is for */
     for (int i = m->nl - 1; RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE && i >= 0; --i)
         rbdi_crba_link(&model, &work, i, stride, &any, H, M);
     if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) return;
@@ -4270,7 +4295,7 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
                              carried = rbdi_crba_step(&model, &work, i, flags, usual, carried, H, M));
 }
 
-/* The dof that carries this one, itself unless it mimics, and its share of that. */
+/* The dof whose velocity dof k has, itself unless it mimics, and its ratio to that. */
 RBDI_INLINE int rbdi_source(const rbd_model *m, int k) {
     return k < m->nv ? k : m->mimic[k - m->nv].source_v;
 }
@@ -4365,9 +4390,13 @@ RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j) {
 
    This room has what pass 2 does with one link, aba.h the three passes. */
 
-/* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
+/* Whether row z of I and H is not zero after the joint of a one-axis link is eliminated. */
+RBDI_INLINE int rbdi_keeps_row_z(int flags) { return flags & (RBDI_SLIDES | RBDI_ARMATURE); }
+
+/* Articulated-body inertia of a one-axis link, to the parent's axes and origin: X' IA X, as the slide d, the
+   turns by q, alpha and beta, and the shift r. */
 RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_abi IA) {
-    if (flags & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, flags & (RBDI_SLIDES | RBDI_ARMATURE), IA);
+    if (flags & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, rbdi_keeps_row_z(flags), IA);
     IA = rbdi_abi_up_z(0, t.c, t.s, IA);
     IA = rbdi_abi_up_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
     if (!(flags & RBDI_SHIFT_R)) return rbdi_abi_uncycle(IA);
@@ -4378,6 +4407,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbd
     return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
 }
 
+/* The same of a block. */
 RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *X, rbdi_abi IA) {
     IA.I = rbdi_sym_up(X->E, IA.I);
     IA.H = rbdi_mat_up(X->E, IA.H);
@@ -4385,7 +4415,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *X, rbdi_abi IA) {
     return rbdi_abi_shift(X->r, IA);
 }
 
-/* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
+/* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; -[h]x, m]. */
 RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int flags, rbdi_abi IA) {
     const rbdi_csym Sigma = l->Sigma;
     const rbdi_c3 h = l->h;
@@ -4428,7 +4458,7 @@ RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int flags, const rbdi_a
     return U;
 }
 
-/* IA becomes Ia = IA - U U'/D, but for row z of I and H. U_D = U/D. */
+/* IA becomes Ia = IA - U U'/D, without row z of I and H. U_D = U/D. */
 RBDI_INLINE void rbdi_aba_subtract(rbdi_force U, rbdi_force U_D, rbdi_abi *IA) {
     IA->I.xx = IA->I.xx - U.n.x * U_D.n.x;
     IA->I.xy = IA->I.xy - U.n.x * U_D.n.y;
@@ -4449,7 +4479,11 @@ RBDI_INLINE void rbdi_aba_subtract(rbdi_force U, rbdi_force U_D, rbdi_abi *IA) {
     IA->M.zz = IA->M.zz - U.f.z * U_D.f.z;
 }
 
-/* pA becomes pa = pA + Ia c + U u/D, but for its moment about z. u_D = u/D. c.omega.z is always 0. */
+/* pA becomes pa = pA + Ia c + U u/D, without the moment about z:
+
+       n += I c_omega + H c_v + U_n u/D,   f += H' c_omega + M c_v + U_f u/D
+
+   u_D = u/D. c.omega.z is always 0. */
 RBDI_INLINE void rbdi_aba_add_bias(const rbdi_abi *Ia, const rbdi_motion *c, rbdi_force U, rbd_real u_D,
                                    rbdi_force *pA) {
     pA->n.x = pA->n.x + (Ia->I.xx * c->omega.x + Ia->I.xy * c->omega.y) + U.n.x * u_D;
@@ -4463,7 +4497,7 @@ RBDI_INLINE void rbdi_aba_add_bias(const rbdi_abi *Ia, const rbdi_motion *c, rbd
     pA->f = rbdi_add(pA->f, rbdi_mul_sym(Ia->M, c->v));
 }
 
-/* The rest of both: row z of I and H, and the moment of pa about z. */
+/* The rest of the two, for a joint that keeps row z: row z of I and H in Ia, and the moment of pa about z. */
 RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U_D, rbd_real u_D,
                                 rbdi_abi *IA, rbdi_force *pA) {
     IA->I.xz = IA->I.xz - U.n.x * U_D.n.z;
@@ -4480,18 +4514,20 @@ RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U
 /* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia, pA becomes pa. */
 RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int flags, rbd_real tau,
                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const int full = flags & (RBDI_SLIDES | RBDI_ARMATURE); /* row z stays: see [aba] */
+    const int row_z = rbdi_keeps_row_z(flags);
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
-    rbdi_scratch *own = &w->scratch[i];
+    rbdi_scratch *scratch = &w->scratch[i];
     rbdi_force U, U_D;
     rbd_real D, inverse, u_D;
 
     /* U = IA S,  D = S' U + armature,  u = tau - S' pA */
     U = rbdi_abi_axis(l, flags, IA);
     D = rbdi_along_axis(l, flags, U);
-    if (full) D = D + dof->armature;
+    if (row_z) D = D + dof->armature;
     w->pivot[l->iv] = D;
+
+    /* U/D and u/D */
     inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
     u_D = (tau - rbdi_along_axis(l, flags, *pA)) * inverse;
     U_D.n.x = inverse * U.n.x;
@@ -4499,18 +4535,18 @@ RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int 
     U_D.f = rbdi_scale(inverse, U.f);
 
     /* kept for pass 3 */
-    own->U_D.n.x = U_D.n.x;
-    own->U_D.n.y = U_D.n.y;
-    own->U_D.f = U_D.f;
-    own->u_D = u_D;
+    scratch->U_D.n.x = U_D.n.x;
+    scratch->U_D.n.y = U_D.n.y;
+    scratch->U_D.f = U_D.f;
+    scratch->u_D = u_D;
 
     /* Ia = IA - U U'/D,  pa = pA + Ia c + U u/D */
     rbdi_aba_subtract(U, U_D, IA);
-    rbdi_aba_add_bias(IA, &own->c, U, u_D, pA);
-    if (full) {
+    rbdi_aba_add_bias(IA, &scratch->c, U, u_D, pA);
+    if (row_z) {
         U_D.n.z = inverse * U.n.z;
-        own->U_D.n.z = U_D.n.z;
-        rbdi_aba_row_z(&own->c, U, U_D, u_D, IA, pA);
+        scratch->U_D.n.z = U_D.n.z;
+        rbdi_aba_row_z(&scratch->c, U, U_D, u_D, IA, pA);
         return;
     }
 
@@ -4525,9 +4561,11 @@ RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int flags, 
                              rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
+
     *IA = rbdi_abi_add_link(l, flags, *IA);
     rbdi_aba_eliminate(m, w, i, flags, tau[l->iv], IA, pA, doubt);
     if (flags & RBDI_ROOT) return;
+
     *IA = rbdi_abi_up(l, flags, t, *IA);
     *pA = rbdi_force_up(l, flags, t, *pA);
 }
@@ -4537,22 +4575,23 @@ RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
     return rbdi_on_world(l) && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 
-/* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
-   L'DL. Only the lower triangle is kept; for a free base, which has no parent, only the part for the axes
-   before. */
-RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
-                                 rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i_link];
+/* Pass 2, block link: eliminates its axes s one by one, the last first, so that the pivots are those of M =
+   L'DL. A and P are IA and pA as arrays, of A only the lower triangle. U/D is kept for all six axes; a free
+   base, which has no parent, needs it for the axes before s only. */
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int link, const rbd_real *tau, rbdi_abi *IA,
+                                 rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[link];
     const rbdi_block *b = rbdi_block_of(m, l);
-    const rbdi_motion c = w->scratch[i_link].c;
+    const rbdi_motion c = w->scratch[link].c;
     rbdi_block_work *bw = &w->block[l->block];
     rbd_real A[6][6], P[6];
     rbdi_abi Ia;
     rbdi_force pa;
 
-    /* axis by axis, s: A = IA - U U'/D,  P = pA + U u/D */
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
+
+    /* each axis s: A -= U U'/D,  P += U u/D */
     for (int k = b->n - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
         const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
@@ -4584,8 +4623,8 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
 
 /* -- the three passes -- */
 
-/* Pass 1, one-axis link: omega, which is the parent's before, and the velocity-product acceleration c. With E
-   and z as in [state], omega_p of the parent and omega_E = E omega_p:
+/* Pass 1, one-axis link: its velocity-product acceleration c, and omega: the parent's becomes the link's.
+   With E, z, turn and slide as in [state], omega_p of the parent and omega_E = E omega_p:
 
        c_omega = omega_E x z turn
        c_v     = E (omega_p x (omega_p x r)) + omega_E x (omega_E x d z) + 2 omega_E x z slide
@@ -4593,8 +4632,10 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
 RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int flags, rbdi_trig t, rbd_real qd,
                                           rbdi_v3 *omega) {
     const int screw = flags & RBDI_SLIDES;
+    const rbdi_v3 omega_p = *omega;
     rbd_real turn = screw ? qd * l->rho : qd;
     rbdi_motion c = rbdi_motion0();
+    rbdi_v3 omega_E;
 
     if (flags & RBDI_ROOT) {
         *omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
@@ -4602,32 +4643,35 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int flags, rbdi_tr
     }
 
     if (flags & RBDI_SHIFT_R)
-        c.v = rbdi_down(l, flags, t, rbdi_cross(*omega, rbdi_cross_shift(l, flags, *omega)));
-    *omega = rbdi_down(l, flags, t, *omega); /* omega_E, up to the last step */
-    c.omega.x = turn * omega->y;
-    c.omega.y = -(turn * omega->x);
+        c.v = rbdi_down(l, flags, t, rbdi_cross(omega_p, rbdi_cross_shift(l, flags, omega_p)));
+    omega_E = rbdi_down(l, flags, t, omega_p);
+    c.omega.x = turn * omega_E.y;
+    c.omega.y = -(turn * omega_E.x);
 
     if (flags & RBDI_SHIFT_Z) {
-        c.v.x = c.v.x + t.d * (omega->x * omega->z);
-        c.v.y = c.v.y + t.d * (omega->y * omega->z);
-        c.v.z = c.v.z - t.d * (omega->x * omega->x + omega->y * omega->y);
+        c.v.x = c.v.x + t.d * (omega_E.x * omega_E.z);
+        c.v.y = c.v.y + t.d * (omega_E.y * omega_E.z);
+        c.v.z = c.v.z - t.d * (omega_E.x * omega_E.x + omega_E.y * omega_E.y);
     }
 
     if (screw) {
-        rbd_real k = (qd + qd) * l->kappa;
-        c.v.x = c.v.x + k * omega->y;
-        c.v.y = c.v.y - k * omega->x;
+        rbd_real twice_slide = (qd + qd) * l->kappa;
+        c.v.x = c.v.x + twice_slide * omega_E.y;
+        c.v.y = c.v.y - twice_slide * omega_E.x;
     }
 
-    omega->z = omega->z + turn;
+    *omega = rbdi_vec(omega_E.x, omega_E.y, omega_E.z + turn);
     return c;
 }
 
-/* The same of a block, whose joint has the velocity J. */
+/* The same of a block: with J = S v, the velocity of its joint,
+
+       c = (omega_E x J_omega; E (omega_p x (omega_p x r)) + (2 omega_E + J_omega) x J_v) */
 RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
                                                 const rbd_real *v, rbdi_v3 *omega) {
+    const rbdi_v3 omega_p = *omega;
     rbdi_motion J = rbdi_block_motion(b, v), c = rbdi_motion0();
-    rbdi_v3 turned;
+    rbdi_v3 omega_E;
 
     if (rbdi_on_world(l)) { /* the world does not turn */
         *omega = J.omega;
@@ -4635,15 +4679,15 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
         return c;
     }
 
-    turned = rbdi_mul(X->E, *omega);
-    c = rbdi_joint_product(turned, J);
-    c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(*omega, rbdi_cross(*omega, X->r))));
-    *omega = rbdi_add(turned, J.omega);
+    omega_E = rbdi_mul(X->E, omega_p);
+    c = rbdi_joint_product(omega_E, J);
+    c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(omega_p, rbdi_cross(omega_p, X->r))));
+    *omega = rbdi_add(omega_E, J.omega);
     return c;
 }
 
-/* Pass 1, link i: its c, and in scratch.f its pA without external wrenches, what the velocity alone takes.
-   omega: that of link i - 1. Returns link i's. */
+/* Pass 1, link i: its c, and in scratch.f its pA without external wrenches: the wrench that moves the link
+   where omega_dot = acc = 0. Takes omega of link i - 1, returns that of link i. A root does not read it. */
 RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
                                         rbdi_v3 omega) {
     const rbdi_link *l = &m->link[i];
@@ -4660,7 +4704,7 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
     w->scratch[i].f = rbdi_wrench(l, flags, rbdi_omega_steady(omega), NULL);
     if (off_chain && l->branch >= 0) {
         w->branch[l->branch].state.omega = omega;
-        w->branch[l->branch].I = rbdi_abi_zero();
+        w->branch[l->branch].I = rbdi_abi_zero(); /* for the sum of pass 2 */
     }
 
     return omega;
@@ -4675,8 +4719,8 @@ RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_
     }
 }
 
-/* Adds IA and pA to the sums of the parent, a branch point, unless it is link i - 1, which takes them from
-   registers. */
+/* Hands the contribution of link i to its parent. Link i - 1 takes IA and pA as they are, from registers. Any
+   other parent is a branch point: they are added to its sums, and what link i - 1 takes becomes 0. */
 RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
     const int parent = m->link[i].parent;
     if (parent == i - 1) return;
@@ -4692,8 +4736,8 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
 }
 
 /* Pass 2, link i. IA and pA come with the contribution of link i + 1, or 0 if that is no child of link i, and
-   become link i's to its parent. The link's own pA stands in scratch.f, with the contributions of its other
-   children. */
+   become what link i - 1 takes from link i. The link's own pA stands in scratch.f, with the contributions of
+   its other children. */
 RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *tau,
                                      rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
@@ -4724,8 +4768,10 @@ RBDI_INLINE int rbdi_turns_first(const rbd_model *m, int i) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first < 3 : l->rho > 0;
 }
 
-/* Whether a joint has slid so far that dof.scale of the turning joint before it, taken at q = 0, is no
-   bound: the slide squared times the mass that slides is above RBDI_FAR times that. */
+/* Whether a joint has slid so far that dof.scale of the nearest turning joint before it is no bound, because
+   it is taken at q = 0:
+
+       slide^2 times the mass of the subtree that slides > RBDI_FAR dof.scale */
 RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
     rbdi_mask slid = rbdi_less(rbdi_zero(), rbdi_zero());
     if (!(RBDI_FEATURES & m->features & (RBDI_SLIDES | RBDI_OTHER_BLOCKS))) return slid;
@@ -4734,14 +4780,16 @@ RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
         const rbdi_link *l = &m->link[i];
         const int block = rbdi_is(l, RBDI_BLOCK);
         rbd_real square;
-        int turn = l->parent;
+        rbd_const scale;
+        int turning = l->parent;
         if (!block && !(rbdi_flags(l) & RBDI_SLIDES)) continue;
-        while (turn >= 0 && !rbdi_turns_first(m, turn)) turn = m->link[turn].parent;
-        if (turn < 0) continue;
+
+        while (turning >= 0 && !rbdi_turns_first(m, turning)) turning = m->link[turning].parent;
+        if (turning < 0) continue;
 
         square = block ? rbdi_dot(w->block[l->block].X.r, w->block[l->block].X.r) : w->d[i] * w->d[i];
-        slid = rbdi_or(
-            slid, rbdi_less(rbdi_set(m->dof[m->link[turn].iv].scale * RBDI_FAR), square * l->subtree_mass));
+        scale = m->dof[m->link[turning].iv].scale;
+        slid = rbdi_or(slid, rbdi_less(rbdi_set(scale * RBDI_FAR), square * l->subtree_mass));
     }
 
     return slid;
@@ -4759,8 +4807,9 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
     return doubt;
 }
 
-/* Pass 3: X y, for the parent's y = (omega_dot, classical acceleration minus gravity):
-   (E omega_dot; E (acc + omega_dot x r) + (E omega_dot) x d z). */
+/* Pass 3: X y, for the parent's y = (omega_dot; acc), acc the classical acceleration minus gravity:
+
+       X y = (E omega_dot; E (acc + omega_dot x r) + (E omega_dot) x d z) */
 RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int flags,
                                        rbdi_motion y) {
     const rbdi_link *l = &m->link[i];
@@ -4779,6 +4828,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, in
     return y;
 }
 
+/* The same of a block, whose d is 0. */
 RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link *l, rbdi_motion y) {
     const rbdi_pose *X = &w->block[l->block].X;
     y.v = rbdi_mul(X->E, rbdi_add(y.v, rbdi_cross(y.omega, X->r)));
@@ -4786,25 +4836,29 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
     return y;
 }
 
-/* Pass 3, one-axis link: y = X y_p + c, qdd = u/D - (U/D)' y, y += S qdd. x is qdd but for the term of
-   omega_dot_z. A revolute joint without armature has U_z/D = 1: its x is omega_dot_z + qdd, the new
-   omega_dot_z. */
+/* Pass 3, one-axis link:
+
+       y = X y_p + c,   qdd = u/D - (U/D)' y,   y += S qdd
+
+   x is qdd without the term of y.omega.z. A revolute joint without armature has U_z/D = 1, so that
+   qdd = x - y.omega.z: its new y.omega.z is x. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_scratch *own = &w->scratch[i];
+    const rbdi_scratch *scratch = &w->scratch[i];
+    const rbdi_force *U_D = &scratch->U_D;
     rbd_real x, qdd;
 
-    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, flags, y), own->c);
-    x = own->u_D - (own->U_D.n.x * y.omega.x + own->U_D.n.y * y.omega.y) - rbdi_dot(own->U_D.f, y.v);
+    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, flags, y), scratch->c);
+    x = scratch->u_D - (U_D->n.x * y.omega.x + U_D->n.y * y.omega.y) - rbdi_dot(U_D->f, y.v);
 
-    if (!(flags & (RBDI_SLIDES | RBDI_ARMATURE))) {
+    if (!rbdi_keeps_row_z(flags)) {
         a[l->iv] = x - y.omega.z;
         y.omega.z = x;
         return y;
     }
 
-    qdd = x - own->U_D.n.z * y.omega.z;
+    qdd = x - U_D->n.z * y.omega.z;
     if (flags & RBDI_SLIDES) {
         y.omega.z = y.omega.z + qdd * l->rho;
         y.v.z = y.v.z + qdd * l->kappa;
@@ -4816,8 +4870,9 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
     return y;
 }
 
-/* The same of a block, its axes one by one, the first first. A free base has all six axes and U/D only for
-   the axes before: its own U/D is 1, so that x is the new acceleration along it, as above. */
+/* The same of a block, its axes one by one, the first first. all: y as an array. A free base keeps U/D only
+   for the axes before: for its own axis it is 1, for those behind 0. So its qdd is x - y_k, and x the new
+   y_k. */
 RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
                                           rbd_real *a) {
     const rbdi_link *l = &m->link[i];
@@ -4848,7 +4903,7 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     return rbdi_load_motion(all, 1);
 }
 
-/* Pass 3, link i: y of link i - 1, or of the parent, becomes link i's. */
+/* Pass 3, link i: takes y of link i - 1, returns that of link i. world: y of the world. */
 RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int i, int flags,
                                             const rbdi_motion *world, rbdi_motion y, rbd_real *a) {
     const rbdi_link *l = &m->link[i];
@@ -4868,13 +4923,14 @@ RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int
     return y;
 }
 
-/* Pass 3. world: its acceleration, minus gravity. */
-RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rbd_real *a) {
-    rbdi_motion root = rbdi_motion0(), y;
-    root.v = world;
-    y = root;
+/* Pass 3, root to leaves. minus_g: acceleration of the world, minus gravity. */
+RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 minus_g, rbd_real *a) {
+    rbdi_motion world = rbdi_motion0(), y;
+
+    world.v = minus_g;
+    y = world;
     for (int i = 0; i < m->nl; ++i)
-        RBDI_BY_FLAGS(const int flags, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, flags, &root, y, a));
+        RBDI_BY_FLAGS(const int flags, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, flags, &world, y, a));
 }
 
 /* ==== src/dynamics/row_sums.h ==== */
@@ -4958,14 +5014,16 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real factor, const rbd_real *x, 
     } while (0);
 #endif
 
-/* n rows and their factors, to be subtracted from a row y. Row t and its factor are
-     RBDI_OWN          at X + node[t].row; factor x[t] times the row's entry in column d
-     RBDI_DESCENDANTS  at X + start[t]; factor x[node[t].row]
-     RBDI_PATH         at X + start[t]; factor x[t]; y is multiplied by scale before
-     RBDI_FRESH        the same, y is 0 before
-     RBDI_EQUIDISTANT  at X + t stride; factor x[t]
-   Y: a second matrix with its rows at the same places. */
-enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
+/* n rows and their factors, to be subtracted from a row y. Row t and its factor are, for
+
+     RBDI_ELIMINATED   rbdi_factor: at X + node[t].row; factor x[t] times the row's entry in column d
+     RBDI_DESCENDANTS  the first half of a solution: at X + start[t]; factor x[node[t].row]
+     RBDI_PATH         the second half: at X + start[t]; factor x[t]; y is multiplied by scale before
+     RBDI_FRESH        rbdi_invert: the same, y is 0 before
+     RBDI_EQUIDISTANT  rbdi_subtract_product: at X + t stride; factor x[t]
+
+   Each sets the fields that it uses. Y: a second matrix with its rows at the same places. */
+enum { RBDI_ELIMINATED, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
 
 typedef struct rbdi_terms {
     const rbd_real *X, *Y; /* the matrices with the rows */
@@ -4980,28 +5038,32 @@ typedef struct rbdi_terms {
 /* Where row t starts, and its factor. */
 RBDI_INLINE ptrdiff_t rbdi_start_of(const rbdi_terms *g, int which, int t) {
     if (which == RBDI_EQUIDISTANT) return t * g->stride;
-    return which == RBDI_OWN ? g->node[t].row : g->start[t];
+    return which == RBDI_ELIMINATED ? g->node[t].row : g->start[t];
 }
 
 RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const rbd_real *row) {
-    if (which == RBDI_OWN) return g->x[t] * row[g->d];
+    if (which == RBDI_ELIMINATED) return g->x[t] * row[g->d];
     return g->x[which == RBDI_DESCENDANTS ? g->node[t].row : t];
 }
 
 /* y less the rows of X and, with two matrices, z less those of Y: so many batches, the last of which begins
-   with column `last`. */
+   with column `last`. Descendants come last to first: the row computed just before is the last one. */
 RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
 
-    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-        const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
-        sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
-        if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
+    /* y and z, or 0 */
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+        RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+            if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
+        }
     }
 
+    /* less x times each row */
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
-        const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
+        const int t = which == RBDI_ELIMINATED || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
         const rbd_real *row = g.X + rbdi_start_of(&g, which, t),
                        *other = matrices > 1 ? g.Y + rbdi_start_of(&g, which, t) : row;
         const rbd_real x = rbdi_factor_of(&g, which, t, row);
@@ -5009,14 +5071,20 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
         RBDI_ONE_INDEX(row);
         if (matrices > 1) RBDI_ONE_INDEX(other);
 
-        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-            const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
-            sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
+        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+            RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+                const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
+                sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
+            }
         }
     }
 
-    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
-        (rbdi_batch *)((a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[a][b];
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+        RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            rbd_real *to = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            *(rbdi_batch *)to = sum[a][b];
+        }
+    }
 }
 
 /* The same of one matrix with n columns, fewer than a batch. */
@@ -5029,7 +5097,7 @@ RBDI_INLINE void rbdi_subtract_scalars(rbdi_terms g, int which, int n, rbd_real 
     }
 
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
-        const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
+        const int t = which == RBDI_ELIMINATED || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
         const rbd_real *row = g.X + rbdi_start_of(&g, which, t), x = rbdi_factor_of(&g, which, t, row);
         RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) sum[b] = sum[b] - row[b] * x;
     }
@@ -5072,8 +5140,8 @@ RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int c
 
 /* -- the factor, and what it solves -- */
 
-/* First U = D L: its row i is row i of M less L_ki U_k for all descendants k. Returns whether a pivot is in
-   doubt. */
+/* M = L'DL in place, RBDA table 6.3. First U = D L from the leaves to the root: its row i is row i of M less
+   L_ki U_k for all descendants k. Then L = D^-1 U. Returns whether a pivot is in doubt. */
 RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     const rbdi_node *node = m->node;
     rbd_real *inverse = w->F; /* 1/D, by node */
@@ -5094,7 +5162,7 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
         g.node = node + s + 1;
         g.n = node[s].descendants;
         g.d = dof->depth;
-        if (g.n > 0) rbdi_subtract_columns(g, RBDI_OWN, dof->depth + 1, row);
+        if (g.n > 0) rbdi_subtract_columns(g, RBDI_ELIMINATED, dof->depth + 1, row);
 
         doubt = rbdi_or(doubt, rbdi_less(row[dof->depth], whole * RBDI_DOUBT));
         w->pivot[node[s].dof] = row[dof->depth];
@@ -5106,6 +5174,9 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
         rbdi_multiply(&H[m->dof[k].row], H[m->dof[k].row + m->dof[k].depth], m->dof[k].depth);
     return doubt;
 }
+
+/* One vector has functions of its own: its batches are entries of a row, those of many columns below are
+   columns. */
 
 /* Solves L' y = x, in place, from the leaves: y_i = x_i - sum over the descendants k of L_ki y_k. `path`, by
    depth on a dof's path, has the sums that its descendants subtract. It is stored as it is loaded, in batches
@@ -5165,8 +5236,8 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
     rbdi_vector_forward(m, w, L, x);
 }
 
-/* X = L'^-1 X, and so Y: n columns of one matrix or two, by so many batches, or (batches = 0) of one by
-   scalars. */
+/* X = L'^-1 X, and with two matrices Y = L'^-1 Y: n columns, in so many batches or, with batches = 0, one
+   matrix in scalars. */
 RBDI_INLINE void rbdi_columns_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                          int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
     ptrdiff_t *start = w->start; /* by node */
@@ -5193,7 +5264,7 @@ RBDI_INLINE void rbdi_columns_transposed(const rbd_model *m, rbd_work *w, const 
     }
 }
 
-/* Then X = sign L^-1 D^-1 X, and so Y. */
+/* Then X = sign L^-1 D^-1 X, and Y likewise. */
 RBDI_INLINE void rbdi_columns_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                       ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                       rbd_real *Y) {
@@ -5220,7 +5291,7 @@ RBDI_INLINE void rbdi_columns_forward(const rbd_model *m, rbd_work *w, const rbd
     }
 }
 
-/* One of the two, of columns that are a number of batches (or of scalars, with batches = 0). */
+/* One of the two. */
 RBDI_INLINE void rbdi_columns_half(const rbd_model *m, rbd_work *w, const rbd_real *L, int transposed,
                                    int sign, ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                    rbd_real *Y) {
@@ -5230,8 +5301,8 @@ RBDI_INLINE void rbdi_columns_half(const rbd_model *m, rbd_work *w, const rbd_re
         rbdi_columns_forward(m, w, L, sign, stride, matrices, batches, n, X, Y);
 }
 
-/* The same of any number of columns of one matrix, or of at most half of RBDI_ROW batches of columns of
-   two. */
+/* The same for any number n of columns: of one matrix, or of two whose rows have at most RBDI_ROW / 2
+   batches. */
 RBDI_INLINE void rbdi_solve_half(const rbd_model *m, rbd_work *w, const rbd_real *L, int transposed, int sign,
                                  ptrdiff_t stride, int matrices, int n, rbd_real *X, rbd_real *Y) {
     while (n > 0) {
@@ -5338,27 +5409,27 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
    First, in every call: is D > RBDI_DOUBT dof.scale, and > RBDI_DOUBT M_kk where M is there? If all pivots
    pass, M is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT /
    eps, and then an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that
-   one of the two fails. dof.scale is taken at q = 0. A slide farther than that is a doubt as well
-   (rbdi_slid_far).
+   one of the two fails. dof.scale is taken at q = 0. A joint that has slid too far from there is a doubt as
+   well (rbdi_slid_far).
 
    Then, if a pivot is in doubt: is D > RBDI_NOISE e + RBDI_TINY, for all pivots? eps e bounds the error of
-   D. With y the motion in which dof k moves by 1 and the dofs behind it give way, column k of L^-1, D_k =
-   y' M y and
+   D. Let y be column k of L^-1: the motion in which dof k moves by 1 and the dofs behind it give way. Then
+   D_k = y' M y, and
 
        e_k = sum over j of y_j^2 K_jj + armature
 
-   By the factor K_jj are the terms of M_jj: M_jj, the inertia of each link about its own origin along the
+   By the factor, K_jj are the terms of M_jj: M_jj, the inertia of each link about its own origin along the
    dof, and a quarter of dof.scale, the inertia of the stretched robot. Articulated bodies have smaller
-   terms: G_j = D_j + RBDI_SHARE dof.scale + armature, and each link's inertia along its motion in y. So
-   rbd_aba is right in long chains whose M has lost its digits.
+   terms: each link's inertia along its motion in y and, for dof j, G_j = D_j + RBDI_SHARE dof.scale +
+   armature. So rbd_aba is right in long chains whose M has lost its digits.
 
    Both have a part of dof.scale, because descriptions round too. An axis is off by eps, a position or a
-   centre of mass by eps of its lever. These errors move a mass m that should stand still by eps L. Its
-   share of D is m (eps L)^2, exactly computed: the error of such a pivot is all of it. dof.scale has
-   RBDI_ROD of m L^2 in it (rbdi_build_scale). */
+   centre of mass by eps of its lever L. These errors move a mass m that should stand still by eps L. So D
+   has a part m (eps L)^2. It is computed exactly, and all of it is error. dof.scale has RBDI_ROD m L^2 in it
+   (rbdi_build_scale). */
 
-/* Replaces pivot k by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1
-   if it is not a number. e: the bound of its terms. */
+/* Replaces pivot k by its verdict: 1 if it is above its noise or no pivot of the state is in doubt, 0 if not,
+   -1 if it is not a number. e: the bound of its terms. */
 RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real e, rbdi_mask doubt) {
     const rbd_real noise = e * RBDI_NOISE + RBDI_TINY;
     const rbd_real D = w->pivot[k], one = rbdi_set(RBD_C(1));
@@ -5367,8 +5438,8 @@ RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real e, rbdi_mask doubt)
     w->pivot[k] = rbdi_select(rbdi_or(rbdi_not(doubt), rbdi_less(noise, D)), one, bad);
 }
 
-/* The status after the checks. w->singular becomes the first bad pivot in the order of elimination; the n
-   results x of its lanes become 0. */
+/* The status by the verdicts in w->pivot. w->singular becomes the first bad pivot in the order of
+   elimination. The n results x become 0 in the lanes that have a bad pivot. */
 RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real *x, int n) {
     const rbd_real half = rbdi_set(RBD_C(0.5)), o = rbdi_zero();
     rbdi_mask good = rbdi_less(o, half), number = good;
@@ -5389,9 +5460,9 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
 }
 
 /* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
-   The build's rounding counts as well. It turns a rod on an axis, and is relative to the trace of the
-   inertia about the link's origin and about the user's, which is at r of the joint's body. */
-RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real own[6]) {
+   The rounding of the build is added, because it may tilt a rod that lies on an axis. It is relative to the
+   trace of the inertia, about the link's origin and about that of the user's frame, r of the joint's body. */
+RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
     const rbdi_v3 user = rbdi_vec_c(m->frame[m->dof[m->link[u->link].iv].body].r);
@@ -5403,10 +5474,10 @@ RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real own[6]) {
     const rbd_real xx = rbdi_abs(S.xx), yy = rbdi_abs(S.yy), zz = rbdi_abs(S.zz);
     const rbd_real rounding = (xx + yy + zz + mass * levers) * RBDI_BUILD;
 
-    own[0] = xx + mass * (p.y * p.y + p.z * p.z) + rounding;
-    own[1] = yy + mass * (p.x * p.x + p.z * p.z) + rounding;
-    own[2] = zz + mass * (p.x * p.x + p.y * p.y) + rounding;
-    own[3] = own[4] = own[5] = mass;
+    inertia[0] = xx + mass * (p.y * p.y + p.z * p.z) + rounding;
+    inertia[1] = yy + mass * (p.x * p.x + p.z * p.z) + rounding;
+    inertia[2] = zz + mass * (p.x * p.x + p.y * p.y) + rounding;
+    inertia[3] = inertia[4] = inertia[5] = mass;
 }
 
 #ifndef RBD_NO_CHOLESKY
@@ -5416,28 +5487,36 @@ RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real own[6]) {
 RBDI_COLD void rbdi_add_links(const rbd_model *m, rbd_real *K) {
     for (int b = 0; b < m->nb; ++b) {
         const int i = m->frame[b].link;
-        const rbdi_link *l = &m->link[i < 0 ? 0 : i];
-        const int iv = rbdi_source(m, l->iv);
-        const rbd_real ratio = rbdi_ratio(m, l->iv);
-        rbd_real own[6];
-        if (i < 0) continue;
-        rbdi_body_inertia(m, b, own);
+        const rbdi_link *l;
+        rbd_real inertia[6], ratio;
+        int iv;
+        if (i < 0) continue; /* fixed to the world */
+
+        l = &m->link[i];
+        iv = rbdi_source(m, l->iv);
+        ratio = rbdi_ratio(m, l->iv);
+        rbdi_body_inertia(m, b, inertia);
 
         if (!rbdi_is(l, RBDI_BLOCK)) {
-            K[iv] = K[iv] + (own[2] * l->rho + own[5] * (l->kappa * l->kappa)) * (ratio * ratio);
+            K[iv] = K[iv] + (inertia[2] * l->rho + inertia[5] * (l->kappa * l->kappa)) * (ratio * ratio);
             continue;
         }
         for (int k = 0, s = rbdi_block_of(m, l)->first; k < rbdi_link_dofs(m, l); ++k)
-            K[iv + k] = K[iv + k] + own[s + k];
+            K[iv + k] = K[iv + k] + inertia[s + k];
     }
 }
 
-/* Checks the pivots of the matrix whose packed factor is L. M_jj = sum of L_kj^2 D_k; column k of L^-1, zero
-   but for k and what is behind it, by substitution. */
+/* Checks the pivots of the matrix whose packed factor is L:
+
+       K_jj = |D_j| + sum over the descendants k of L_kj^2 |D_k| + dof.scale / 4 + inertias of the links
+       y_j = -sum of L_ji y_i,   i from k on, on the path of j;   y_k = 1, and y is 0 before k
+
+   The first two terms of K_jj are M_jj, y is column k of L^-1. */
 RBDI_COLD void rbdi_check_factor(const rbd_model *m, rbd_work *w, const rbd_real *L, rbdi_mask doubt) {
     const int n = m->nv;
     rbd_real *K = w->F, *y = w->F + n; /* the scratch of crba */
 
+    /* K_jj */
     for (int k = 0; k < n; ++k) K[k] = rbdi_abs(w->pivot[k]) + RBD_C(0.25) * m->dof[k].scale;
     for (int k = 0; k < n; ++k)
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
@@ -5447,6 +5526,7 @@ RBDI_COLD void rbdi_check_factor(const rbd_model *m, rbd_work *w, const rbd_real
 
     rbdi_add_links(m, K);
 
+    /* e_k = sum of y_j^2 K_jj + armature */
     for (int k = 0; k < n; ++k) {
         rbd_real e = K[k] + m->dof[k].armature;
 
@@ -5476,17 +5556,19 @@ RBDI_INLINE rbd_status rbdi_factor_status(const rbd_model *m, rbd_work *w, const
 
 /* ==== src/dynamics/aba_pivots.h ==== */
 /* -- by articulated bodies --
-   e_k by the recursion of IA, from the leaves to the root. With V = U/D, a link whose joint gives way moves
-   by P = 1 - S V' of its parent's motion:
+   The bound e_k of [pivots], summed from the leaves to the root. K of a link is for IA what e is for a pivot:
+   a bound of the terms whose sum it is. K obeys the recursion of IA. With V = U/D, a joint that gives way
+   leaves its link P = 1 - S V' of the parent's motion, so that
 
-       Ka = P' K P + V G V'                as Ia = P' IA P + V armature V' = IA - U U'/D
-       K_p += X' (Ka + rounding) X,   e = S' K S + G
+       Ia = P' IA P + V armature V'        which is IA - U U'/D
+       Ka = P' K P + V G V'                with G of [pivots] for the armature
+       K_p += X' (Ka + rounding) X         a change of frame rounds each entry by a share of the largest
+       e = S' K S + G
 
-   K begins with the inertias of the link's bodies, G is that of [pivots]. A change of frame rounds each
-   entry by a share of the largest. */
+   K begins with the inertias of the link's bodies. */
 
-/* S of dof k of link i, and its V, as pass 2 left it. V_z of a revolute joint without armature is 1; a free
-   base has V only for the axes before S. */
+/* S of dof k of link i, and its V = U/D, as pass 2 left it. Pass 2 does not store V_z of a revolute joint
+   without armature, which is 1, nor V of a free base but for the axes before S. */
 RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int k, rbd_real S[6],
                                rbd_real V[6]) {
     const rbdi_link *l = &m->link[i];
@@ -5507,10 +5589,13 @@ RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int
     if (!(rbdi_flags(l) & (RBDI_SLIDES | RBDI_ARMATURE))) V[2] = rbdi_set(RBD_C(1));
 }
 
-/* K becomes P' K P + V G V'. Returns S' K S. */
+/* K becomes P' K P + V G V', P = 1 - S V'. Returns e = S' K S. Multiplied out:
+
+       P' K P + V G V' = K - V (K S)' - (K S) V' + (e + G) V V' */
 RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rbd_real V[6], rbd_real G) {
     rbd_real KS[6], e = rbdi_zero();
 
+    /* K S and S' K S */
     for (int i = 0; i < 6; ++i) {
         KS[i] = rbdi_zero();
         for (int j = 0; j < 6; ++j) KS[i] = KS[i] + K[i][j] * S[j];
@@ -5522,14 +5607,15 @@ RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rb
     return e;
 }
 
-/* Adds to three diagonal entries the share of the largest that a change of frame rounds. */
+/* Adds the rounding of a change of frame to three diagonal entries, from `first` on: a share of the largest
+   of them. */
 RBDI_COLD void rbdi_add_rounding(rbd_real K[6][6], int first) {
     rbd_real most = rbdi_zero();
     for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);
     for (int j = first; j < first + 3; ++j) K[j][j] = K[j][j] + most * RBDI_TURN;
 }
 
-/* Pose of a link in its parent. */
+/* Pose of a link in its parent. Column j of E is the parent's axis j in the link's axes. */
 RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, int i) {
     const rbdi_link *l = &m->link[i];
     const int flags = rbdi_flags(l);
@@ -5558,7 +5644,7 @@ RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, i
     return X;
 }
 
-/* K becomes X' K X: each of its columns is a wrench, and then each of the rows. */
+/* K becomes X' K X. X' takes a wrench to the parent's frame: first each column of K, then each row. */
 RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
     for (int j = 0; j < 12; ++j) {
         rbd_real *wrench = j < 6 ? &K[0][j] : K[j - 6];
@@ -5567,22 +5653,25 @@ RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
     }
 }
 
-/* K of link i, the sum of its children's shares, becomes its share in the parent's K. */
+/* Checks the pivots of link i. K, the sum over its children, becomes its contribution to the parent's K. */
 RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask doubt, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
-    rbd_real own[6], S[6], V[6];
+    rbd_real inertia[6], S[6], V[6];
     rbdi_pose X;
 
+    /* the inertias of the link's bodies */
     for (int b = 0; b < m->nb; ++b) {
         if (m->frame[b].link != i) continue;
-        rbdi_body_inertia(m, b, own);
-        for (int j = 0; j < 6; ++j) K[j][j] = K[j][j] + own[j];
+        rbdi_body_inertia(m, b, inertia);
+        for (int j = 0; j < 6; ++j) K[j][j] = K[j][j] + inertia[j];
     }
 
+    /* each dof: e = S' K S + G, its verdict, K = P' K P + V G V' */
     for (int k = rbdi_link_dofs(m, l) - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
         const rbd_real G = rbdi_abs(w->pivot[l->iv + k]) + dof->scale * RBDI_SHARE + dof->armature;
         rbd_real e;
+
         rbdi_pivot_axis(m, w, i, k, S, V);
         e = rbdi_give_way(K, S, V, G) + G;
         rbdi_check_pivot(w, l->iv + k, e, doubt);
@@ -5590,13 +5679,15 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
 
     if (l->parent < 0) return;
 
+    /* X' (K + rounding) X */
     X = rbdi_pose_in_parent(m, w, i);
     rbdi_add_rounding(K, 0);
     rbdi_add_rounding(K, 3);
     rbdi_carry_up(&X, K);
 }
 
-/* Checks the pivots of the last pass 2. */
+/* Checks the pivots of the last pass 2, leaves first. The sums of branch points' K stand where those of IA
+   did. */
 RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doubt) {
     rbd_real K[6][6];
 
@@ -5607,10 +5698,11 @@ RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doub
         const rbdi_link *l = &m->link[i];
 
         if (l->branch >= 0) {
-            rbd_real L[6][6];
-            rbdi_abi_to_array(w->branch[l->branch].I, L);
+            rbd_real others[6][6]; /* the lower triangle of the other children's sum */
+
+            rbdi_abi_to_array(w->branch[l->branch].I, others);
             for (int r = 0; r < 6; ++r)
-                for (int s = 0; s < 6; ++s) K[r][s] = K[r][s] + L[r > s ? r : s][r > s ? s : r];
+                for (int s = 0; s < 6; ++s) K[r][s] = K[r][s] + others[r > s ? r : s][r > s ? s : r];
         }
 
         rbdi_check_link(m, w, i, doubt, K);
@@ -5897,8 +5989,8 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
     return l->parent < 0 ? rbdi_vec0() : rbdi_add(parent->v, rbdi_cross(parent->state.omega, r));
 }
 
-/* World pose of link i, from its parent's, p; if moving, the velocity of its origin too. Its angular velocity
-   is known. */
+/* World pose of a one-axis link from its parent's, p. If moving, the velocity of its origin too, from its
+   angular velocity, which rbdi_kin_states has set. */
 RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags,
                                     rbdi_trig t, const rbd_real *v, int moving, rbdi_pose p) {
     p = rbdi_pose_step(l, flags & ~RBDI_ROOT, t, p);
@@ -5914,7 +6006,7 @@ RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_
     return p;
 }
 
-/* The same of the links first .. end - 1. */
+/* The same of the links first .. end - 1, blocks too. */
 RBDI_LOCAL void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                                int moving) {
     rbdi_pose p = rbdi_world_pose();
@@ -5958,9 +6050,11 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
+
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     if (w->moving) rbdi_kin_states(m, w, 0, m->nl, v, a);
     rbdi_kin_links(m, w, 0, m->nl, v, w->moving);
+
     *w->rotors = rbdi_zero();
     for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
         *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
@@ -5982,11 +6076,14 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     q = rbdi_expand_q(m, w, q);
     l = m->link;
-    leaf = last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path */
+    leaf =
+        last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path, and of no others */
 
+    /* each run of links on the path, first .. end - 1. The links between do not move the body */
     for (int first = 0, end; first <= last; first = end) {
         for (; l->end <= leaf; ++l) ++first;
         for (end = first; end <= last && l->end > leaf; ++l) ++end;
+
         rbdi_range_joints(m, w, first, end, q);
         if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
         rbdi_kin_links(m, w, first, end, v, w->moving);
@@ -7497,6 +7594,12 @@ RBDI_PART rbd_status rbdi_refuse_saying(rbd_report *report, rbd_status status, i
 #ifndef RBD_NO_BUILD
 
 /* ==== src/model/describe.h ==== */
+/* How many axes the description of a joint has: none, axis, or axis and axis2. */
+RBDI_PART int rbdi_described_axes(int type) {
+    const char *axes = rbdi_joint_facts(type)->axes;
+    return (rbdi_axis_name(axes[0]) == 'a') + (rbdi_axis_name(axes[1]) == 'b');
+}
+
 /* A pose of the model in the build's arithmetic. */
 RBDI_PART rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
     rbdi_wide_pose X;
@@ -7522,6 +7625,7 @@ RBDI_PART rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l)
    dof. */
 RBDI_LOCAL int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
+    const int axes = rbdi_described_axes(u->type);
     rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), parent;
     rbdi_wide R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
     int i = u->link, dof = 0;
@@ -7548,8 +7652,8 @@ RBDI_LOCAL int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) 
 
     for (int k = 0; k < 3; ++k) {
         row->position[k] = (double)X.r[k];
-        row->axis[k] = u->type <= RBD_UNIVERSAL ? (double)axis[k] : 0;
-        row->axis2[k] = u->type == RBD_UNIVERSAL ? (double)axis2[k] : 0;
+        row->axis[k] = axes > 0 ? (double)axis[k] : 0;
+        row->axis2[k] = axes > 1 ? (double)axis2[k] : 0;
     }
 
     row->pitch = u->type == RBD_HELICAL ? (double)m->link[u->link].kappa : 0;
@@ -7833,17 +7937,16 @@ RBDI_LOCAL rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report
 
 RBDI_LOCAL rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report) {
     const int type = (int)b->type;
-    const char *axes;
+    int axes;
     if (b->parent < -1 || b->parent >= i) return rbdi_refuse(report, RBD_ERR_PARENT, i, b->name, "parent");
     if (type < 0 || type >= RBD_JOINT_TYPES) return rbdi_refuse(report, RBD_ERR_TYPE, i, b->name, "type");
     if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3))
         return rbdi_refuse_saying(report, RBD_ERR_TYPE, i, b->name, "type",
                                   "missing? it is 0, fixed, but the joint has an axis");
 
-    axes = rbdi_joint_facts(type)->axes;
-    if (axes[0] == 'a' && !rbdi_is_axis(b->axis))
-        return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis");
-    if (axes[0] == 'a' && axes[1] == 'b' && (!rbdi_is_axis(b->axis2) || rbdi_parallel(b->axis, b->axis2)))
+    axes = rbdi_described_axes(type);
+    if (axes > 0 && !rbdi_is_axis(b->axis)) return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis");
+    if (axes > 1 && (!rbdi_is_axis(b->axis2) || rbdi_parallel(b->axis, b->axis2)))
         return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis2");
 
     if (!rbdi_finite(&b->pitch, 1)) return rbdi_refuse(report, RBD_ERR_PITCH, i, b->name, "pitch");
@@ -7988,11 +8091,11 @@ RBDI_LOCAL rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
 }
 
 /* ==== src/model/links.h ==== */
-/* A joint's axis of this letter of rbdi_joint_fact.axes, of unit length, joint frame. */
-RBDI_LOCAL void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
-    for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
-    if (which == 'a') rbdi_widen(b->axis, 3, axis);
-    if (which == 'b') rbdi_widen(b->axis2, 3, axis);
+/* The axis of a letter of rbdi_joint_fact.axes, of unit length, joint frame. */
+RBDI_LOCAL void rbdi_link_axis(const rbd_body *b, char letter, rbdi_wide axis[3]) {
+    const char name = rbdi_axis_name(letter);
+    const double *described = name == 'a' ? b->axis : b->axis2;
+    for (int k = 0; k < 3; ++k) axis[k] = name < 'x' ? (rbdi_wide)described[k] : name == 'x' + k;
     rbdi_unit(axis, axis);
 }
 
@@ -8051,7 +8154,7 @@ RBDI_LOCAL void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
                 l->kind = RBDI_SCREW;
                 l->kappa = (rbdi_wide)b->pitch;
             }
-            if (type == RBD_PRISMATIC || (type == RBD_CYLINDRICAL && k == 1)) {
+            if (rbdi_axis_slides(axes[k])) {
                 l->kind = RBDI_SCREW;
                 l->rho = 0;
                 l->kappa = 1;

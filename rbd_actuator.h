@@ -374,7 +374,7 @@ RBDI_EXTERN_C_END
 
 /* ==== src/actuator/layout.h ==== */
 /* ---- method [method] ----
-   Each drive is a shaft with angle g(q) and speed x = G v on the joints' side; t there is the torque t' G of
+   Each drive is a shaft with angle phi(q) and speed x = G v on the joints' side; t there is the torque t' G of
    the joints. Everything between command and joint is a law t(x) of one shaft, monotone: at the end of a step
    of length dt the joint gets the impulse dt t, and a larger speed x never a larger t. Such laws make no
    energy whatever dt is.
@@ -392,30 +392,34 @@ RBDI_EXTERN_C_END
    So the repeats end for all laws, however steep.
 
    Shafts that a transmission couples have slopes G' diag(slope) G, which are no diagonal, and what sticks is
-   no joint. For them the motion of the joints is learnt: T = T_p + P (x - x_p) with a matrix P, by a
-   correction of rank one for each repeat (SR1; Nocedal and Wright 2006, section 6.2). With P the speeds of up
-   to three shafts are found exactly, by trying which of them slide, and in which direction. The step is told
-   the torque that belongs to them, and a damping that is a diagonal. P is kept from step to step. */
+   no joint. So if there is a transmission, the motion of the joints is learnt for all shafts at once: T = T_p +
+   P (x - x_p) with a matrix P, which each repeat corrects. With P the same method finds the speeds of all shafts
+   without a step. The step is told the torques that belong to them, and a damping that is a diagonal. P is kept
+   from step to step. */
 
 #define RBDI_ACTUATOR_MOST RBD_C(1e9)     /* of a field, a command, q and v */
 #define RBDI_ACTUATOR_LARGEST RBD_C(1e12) /* N m: torques in a level of friction; their squares are finite */
 #define RBDI_ACTUATOR_UNLIMITED RBD_C(1e15) /* A: of a motor without limit of current */
 #define RBDI_ACTUATOR_MOST_MOTORS 1000
 #define RBDI_ACTUATOR_MOST_DELAY 1000
-#define RBDI_ACTUATOR_REPEATS 50
-#define RBDI_ACTUATOR_HALVINGS 40       /* that find the least value on a way */
+#define RBDI_ACTUATOR_REPEATS 50        /* of a step: random robots take 30 at most */
+#define RBDI_ACTUATOR_SEARCHES 20       /* beyond one for each shaft: random robots take 12 at most */
+#define RBDI_ACTUATOR_HALVINGS 40       /* that find the least value on a way: to 1e-12 of it */
 #define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
+#define RBDI_ACTUATOR_BEND RBD_C(1e-3)  /* see [laws of shafts]: no steeper than float can compute */
 #define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
-#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)    /* degrees: no winding gets there */
-#define RBDI_ACTUATOR_WARM RBD_C(25)        /* degrees at which resistances are given */
-#define RBDI_ACTUATOR_NOISE (30 * RBDI_EPS) /* changes of speed below this share are rounding */
+#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)      /* degrees: no winding gets there */
+#define RBDI_ACTUATOR_WARM RBD_C(25)          /* degrees at which resistances are given */
+#define RBDI_ACTUATOR_ROUNDING (8 * RBDI_EPS) /* of the size of a sum: a law adds up about eight terms */
+#define RBDI_ACTUATOR_ACROSS 14           /* times the square of its rounding: a change of speeds above it */
+#define RBDI_ACTUATOR_TELLING RBD_C(1e-7) /* of its work: what a repeat must tell beside those before it */
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_ACTUATOR_CREEP RBD_C(1e-6) /* rad/s: a rigid shaft under its level of friction creeps so fast */
-#define RBDI_ACTUATOR_SETTLED RBD_C(1e-5)
+#define RBDI_ACTUATOR_SETTLED \
+    RBD_C(2e-6) /* of the torque of coupled shafts, that a repeat may still change */
 #else
 #define RBDI_ACTUATOR_CREEP RBD_C(1e-9)
-#define RBDI_ACTUATOR_SETTLED \
-    RBD_C(1e-12) /* of the torque of coupled shafts, that a repeat may still change */
+#define RBDI_ACTUATOR_SETTLED RBD_C(1e-12)
 #endif
 
 /* A shaft. */
@@ -429,12 +433,13 @@ typedef struct rbdi_act_shaft {
     rbd_real angle, speed;     /* of the rotor */
     rbd_real winding, housing; /* degrees above the air */
     rbd_real bristle;          /* N m: of the bristle, or 0 */
+    rbd_real lent;             /* J: see [cogging] */
     rbd_real motor, joint; /* N m, of the last step: the motor's torque, the shaft's on the joint's side */
     rbd_real current;      /* A, of the last step */
 
     /* of the step */
     rbd_command arrived;
-    rbd_real g, x, bias; /* angle and speed of the joint's side at its beginning; G' v */
+    rbd_real phi, x, bias; /* angle and speed of the joint's side at its beginning; G' v */
     rbd_real t, braking; /* the drive asks for the torque t - braking speed, at the speed of the step's end */
     rbd_real most;       /* N m: limit of the current */
     rbd_real stall, droop; /* limits of the voltage: stall - droop speed, -stall - droop speed */
@@ -443,11 +448,16 @@ typedef struct rbdi_act_shaft {
     rbd_real pass;         /* its slope by the command's torque or voltage */
     rbd_real cogging;      /* N m, that no current makes: cogging - cogging_slope speed */
     rbd_real cogging_slope;
-    rbd_real level;       /* of dry friction */
-    rbd_real point, base; /* the speed whose piece the step was told, and the joints' torque there */
-    rbd_real s, slope;    /* what it was told: the torque s - slope x */
-    rbd_real scale;       /* of coupled shafts, rad/s: the joints' shares in the speed that came out */
-    rbd_real next, force; /* the speed that came out, and the torque that the joints had there */
+    rbd_real level;        /* of dry friction */
+    rbd_real point, base;  /* the speed whose piece the step was told, and the joints' torque there */
+    rbd_real start, slope; /* what it was told: the torque start - slope x */
+    rbd_real next, force;  /* the speed that came out, and the torque that the joints had there */
+
+    /* of the step, if there are transmissions */
+    rbd_real seen_x, seen_T; /* see [coupled shafts] */
+    rbd_real smooth;         /* the slope without dry friction */
+    rbd_real scale;          /* rad/s: the joints' shares in the speed that came out */
+    rbd_real size;           /* N m: what its torque adds up */
 } rbdi_act_shaft;
 
 /* Joints that motors move together. */
@@ -458,13 +468,11 @@ typedef struct rbdi_act_group {
     int16_t at[3];    /* their coordinates in q */
     rbdi_mat turn[2]; /* rods: joint frames at q = 0 in the frame before: axes, origin, joint axis */
     rbdi_v3 origin[2], axis[2];
-    rbd_real G[9];             /* n x n: shaft speeds by joint speeds */
-    rbd_real H[8];             /* rods, n x n x n: G by q */
-    rbd_real inverse[9];       /* of G */
-    rbd_real v[3];             /* of the joints at the step's beginning */
-    rbd_real s[3], damping[3]; /* what the joints were told */
-    rbd_real mass[9];          /* kg m^2: dt P, n x n, by shaft speeds */
-    int known;                 /* whether there is a mass */
+    rbd_real G[9];                 /* n x n: shaft speeds by joint speeds */
+    rbd_real H[8];                 /* rods, n x n x n: G by q */
+    rbd_real inverse[9];           /* of G */
+    rbd_real v[3];                 /* of the joints at the step's beginning */
+    rbd_real start[3], damping[3]; /* what the joints were told */
 } rbdi_act_group;
 
 struct rbd_actuators {
@@ -478,12 +486,23 @@ struct rbd_actuators {
     rbdi_act_shaft *shaft;
     rbdi_act_group *group;
     rbd_command *commands; /* n x ring */
+
+    /* if there are transmissions, of all shafts: see [coupled shafts] */
+    int known;          /* whether there is a mass */
+    int pairs;          /* that this step told */
+    rbd_real *mass;     /* n x n, kg m^2 by the shafts' speeds */
+    rbd_real *system;   /* n x n: that is solved */
+    rbd_real *pair;     /* n x 2 x n: d_k, y_k of [learning] */
+    rbd_real *solution; /* n */
+    rbd_real rough;     /* rad/s: rounding of the speeds */
+    rbd_real heavy;     /* N m: rounding of the torques */
 };
 
 #define RBDI_ACTUATORS_BYTES(n, groups, delay) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_actuators)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_act_shaft)) + \
      RBDI_ROUND((size_t)(groups) * sizeof(rbdi_act_group)) + \
-     RBDI_ROUND((size_t)(n) * (size_t)(delay) * sizeof(rbd_command)))
+     RBDI_ROUND((size_t)(n) * (size_t)(delay) * sizeof(rbd_command)) + \
+     ((groups) > 0 ? RBDI_ROUND((4 * (size_t)(n) + 1) * (size_t)(n) * sizeof(rbd_real)) : 0))
 
 /* Bytes that rbd_actuators_init needs for n motors and so many transmissions; a constant. delay: the largest
    of the motors' */
@@ -522,7 +541,7 @@ RBDI_PART rbd_real rbdi_act_power_of_two(int k) {
     return power;
 }
 
-/* exp(x) for x up to 80; 0 below -80. */
+/* exp(x) for x up to 80; 0 below -80: 2^k and the result are finite and normal in float. */
 RBDI_PART rbd_real rbdi_act_exponential(rbd_real x) {
     rbd_real r, sum = rbdi_set(RBD_C(1));
     int k;
@@ -579,7 +598,9 @@ RBDI_INLINE int rbdi_act_has_rest(const rbd_gear_friction *f) {
            f->square_joint > 0;
 }
 
-/* S = exp(-|x / speed|^power): the share of friction at rest. */
+/* S = exp(-|x / speed|^power) = exp(-exp(power log |x / speed|)): the share of friction at rest. The logarithm
+   is one from 1e-30 to 1e30. Below, S is 1: with the least power of 0.1 that is 1e-3 off, at 1e-30 of a slow
+   speed. Above exp(5), S is exp(-148) or less, 0 in float and nothing beside 1. */
 RBDI_PART rbd_real rbdi_act_rest_share(const rbd_gear_friction *f, rbd_real x) {
     rbd_real ratio;
     if (!rbdi_act_has_rest(f)) return rbdi_zero();
@@ -624,7 +645,8 @@ RBDI_INLINE rbd_real rbdi_act_rotor_inertia(const rbd_motor *m) {
     return (rbd_real)m->gear * m->gear * m->inertia;
 }
 
-/* Resistance of a winding of so many degrees. A cold one keeps a tenth of it. */
+/* Resistance of a winding of so many degrees. A cold one keeps a tenth of it: the line of copper would be 0 at
+   -231 degrees, and no motor works below -200. */
 RBDI_INLINE rbd_real rbdi_act_resistance(const rbd_motor *m, rbd_real winding) {
     const rbd_real factor = 1 + m->copper * (winding - RBDI_ACTUATOR_WARM);
     return m->resistance * (factor > RBD_C(0.1) ? factor : rbdi_set(RBD_C(0.1)));
@@ -652,6 +674,19 @@ RBDI_PART void rbdi_act_current_range(const rbd_motor *m, rbd_real winding, rbd_
     }
 }
 
+/* ---- cogging [cogging] ----
+   The torque gear cogging sin(theta), theta = teeth gear angle + phase, is that of the potential
+   cogging / teeth cos(theta). In a step its work is what the potential loses if it is its mean over the way
+   dt x of the shaft,
+
+       gear cogging sin(theta + d/2) sin(d/2) / (d/2),   d = teeth gear dt x
+
+   It is told at the speed x before the step and, where it holds the rotor back and d is within a radian, so
+   that the torque changes evenly, implicit. The step's own way differs, and the work with it. The difference,
+   s->lent, is paid back: above a tenth of a tooth's height, cogging has no torque in steps where it would add
+   to that. So what a rotor gains or loses is bounded for good: by a tooth's height in steps of up to 10 ms
+   (tests/test_actuator.c). */
+
 /* Torque of cogging at the shaft. */
 RBDI_PART rbd_real rbdi_act_cogging(const rbd_motor *m, rbd_real angle) {
     rbd_real sine, cosine;
@@ -660,12 +695,22 @@ RBDI_PART rbd_real rbdi_act_cogging(const rbd_motor *m, rbd_real angle) {
     return (rbd_real)m->gear * m->cogging * sine;
 }
 
-/* Cogging in a step, whose work is what its potential loses: its mean over the way dt x of the shaft,
+/* How much energy cogging takes from its least to its largest, J. */
+RBDI_INLINE rbd_real rbdi_act_tooth(const rbd_motor *m) { return 2 * (rbd_real)m->cogging / m->teeth; }
 
-       gear cogging sin(theta + d/2) sin(d/2) / (d/2)
-       theta = teeth gear angle + phase,   d = teeth gear dt x
+/* Adds to s->lent the work of cogging on the way from the shaft's angle, less what its potential loses. */
+RBDI_PART void rbdi_act_lend(const rbd_motor *m, rbdi_act_shaft *s, rbd_real way) {
+    const rbd_real rate = (rbd_real)m->teeth * m->gear, begin = rate * s->angle + m->phase;
+    const rbd_real torque = s->cogging - s->cogging_slope * s->speed;
+    rbd_real sine, before, after;
+    if (!(m->cogging > 0)) return;
 
-   at the speed x before the step and, where it holds the rotor back and the way is short, implicit. */
+    rbdi_sincos(begin, &sine, &before);
+    rbdi_sincos(begin + rate * way, &sine, &after);
+    s->lent = s->lent + torque * way - rbdi_act_tooth(m) / 2 * (before - after);
+}
+
+/* Cogging in a step. */
 RBDI_PART void rbdi_act_cog(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt, rbd_real share) {
     const rbd_real most = (rbd_real)m->gear * m->cogging;
     const rbd_real rate = (rbd_real)m->teeth * m->gear;
@@ -674,12 +719,17 @@ RBDI_PART void rbdi_act_cog(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt, 
     s->cogging = s->cogging_slope = rbdi_zero();
     if (!(m->cogging > 0)) return;
 
-    if (rbdi_abs(half) > RBD_C(1e-4)) {
+    if (rbdi_abs(half) > 0) {
         rbdi_sincos(half, &sine, &cosine);
         mean = sine / half;
     }
     rbdi_sincos(rate * s->angle + m->phase + half, &sine, &cosine);
     s->cogging = most * sine * mean;
+
+    if (rbdi_abs(s->lent) > rbdi_act_tooth(m) / 10 && s->lent * s->cogging * s->speed > 0) {
+        s->cogging = rbdi_zero();
+        return;
+    }
     if (!(rate * most * cosine < 0) || rbdi_abs(half) > RBD_C(0.5)) return;
     s->cogging_slope = -most * rate * cosine * dt * share / 2;
     s->cogging = s->cogging + s->cogging_slope * s->speed;
@@ -986,11 +1036,11 @@ RBDI_LOCAL rbd_status rbdi_act_map_group(const rbd_actuators *a, rbdi_act_group 
     }
 
     for (int i = 0; i < n; ++i) {
-        s[i].g = angle[i];
+        s[i].phi = angle[i];
         s[i].x = rbdi_zero();
         s[i].bias = rbdi_zero();
         for (int j = 0; j < n; ++j) {
-            if (g->by->kind != RBD_BY_RODS) s[i].g = s[i].g + g->G[n * i + j] * q[g->at[j]];
+            if (g->by->kind != RBD_BY_RODS) s[i].phi = s[i].phi + g->G[n * i + j] * q[g->at[j]];
             if (v) s[i].x = s[i].x + g->G[n * i + j] * v[g->dof[j]];
             for (int k = 0; k < n && v && g->by->kind == RBD_BY_RODS; ++k)
                 s[i].bias = s[i].bias + g->H[(n * i + j) * n + k] * v[g->dof[j]] * v[g->dof[k]];
@@ -1013,7 +1063,7 @@ RBDI_LOCAL rbd_status rbdi_act_map(rbd_actuators *a, const rbd_real *q, const rb
 
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         if (s->dof < 0) continue;
-        s->g = q[s->at];
+        s->phi = q[s->at];
         s->x = v ? v[s->dof] : rbdi_zero();
     }
     for (int i = 0; i < a->groups; ++i) {
@@ -1038,7 +1088,7 @@ RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const
     if (a->begun) return RBD_ERR_ORDER;
     status = rbdi_act_map(a, q, v);
     for (int i = 0; i < a->n && !status; ++i) {
-        if (angle) angle[i] = a->shaft[i].g;
+        if (angle) angle[i] = a->shaft[i].phi;
         if (speed) speed[i] = a->shaft[i].x;
     }
     return status;
@@ -1055,7 +1105,8 @@ typedef struct rbdi_act_wanted {
 } rbdi_act_wanted;
 
 /* Newton's method for u = base + side F(u, -t), F the level at rest share S. It is linear in pieces but for
-   the squares: two steps do as a rule. Writes the slopes by t, base and so on. */
+   the squares: two steps do as a rule, and each further one passes a bend of the level, of which there are
+   fewer than eight. Writes the slopes by t, base and so on. */
 RBDI_PART rbd_real rbdi_act_carry_load(const rbd_gear_friction *f, rbd_real S, const rbdi_act_wanted *want,
                                        rbd_real base, rbd_real *slope, rbd_real *by_torque) {
     const rbd_real t = want->torque, one = rbdi_set(RBD_C(1));
@@ -1107,7 +1158,7 @@ RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s
     drive->by_torque = by_torque / slope;
     drive->by_speed = f->viscous / slope;
     drive->by_acceleration = J / slope;
-    drive->angle = s->g + rbdi_act_winding_of(m, want->torque);
+    drive->angle = s->phi + rbdi_act_winding_of(m, want->torque);
 
     if (m->cogging > 0) u = u - rbdi_act_cogging(m, drive->angle);
     current = u / constant;
@@ -1177,13 +1228,21 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
    rbdi_act_motor_at, and cogging; it falls with y. A rigid shaft, whose rotor turns with the joint, gives at
    the end's speed x = y the torque
 
-       m(x) - viscous x - J ((x - x_0) / dt + bias) - w,   w = clamp(b + k dt x_m, -F, F)
+       m(x) - J ((x - x_0) / dt + bias) - viscous (x - still) - dry,   dry = clamp(F (x - still) / w, -F, F)
 
-   with the level F, a bristle of stiffness k that now has the torque b, and the mean speed x_m by which the
-   joint moves, (1 - share) x_0 + share x. Without a bristle w = clamp(F x / creep, -F, F): what sticks
-   creeps, at most by RBDI_ACTUATOR_CREEP.
+   with the level F and the speed before the step x_0. Its work is that times the mean speed by which the
+   joint moves, x_m = (1 - share) x_0 + share x. In a step of first order, share = 1, still is 0. Else friction
+   at the end's speed makes energy where a shaft turns around: there x and x_m are against each other. So
 
-   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - g, play 2 h,
+       still = clamp(x, -turn, 0) or clamp(x, 0, -turn),   turn = x_0 (1 - share) / share
+
+   which lies between the speeds at which x and x_m vanish: friction is 0 or against both of them, so that it
+   takes dt friction x_m >= 0 whatever dt is. In between the shaft coasts. It is the law of the bounded rows of
+   rbd_contact_step, but for the width w: what sticks creeps here, at most by w = RBDI_ACTUATOR_CREEP, and what
+   turned around, still = -turn, has w = RBDI_ACTUATOR_BEND turn more. A bristle of stiffness k that has the
+   torque b makes dry = clamp(b + k dt x_m, -F, F).
+
+   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - phi, play 2 h,
    K = dt k + d, r = y - x_m the joint gets the impulse
 
        p = max(0, dt k (delta - h) + dt K r) + min(0, dt k (delta + h) + dt K r)
@@ -1194,13 +1253,13 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
    spring changes by p r at most, that of the joints by p x_m, and that of the rotor by (p_f - p) y at most:
    together they do not grow. */
 
-/* A piece of a law: the torque s - slope x. */
+/* A piece of a law: the torque start - slope x. */
 typedef struct rbdi_act_piece {
-    rbd_real s, slope;
+    rbd_real start, slope;
 } rbdi_act_piece;
 
 RBDI_INLINE rbd_real rbdi_act_torque_of(rbdi_act_piece piece, rbd_real x) {
-    return piece.s - piece.slope * x;
+    return piece.start - piece.slope * x;
 }
 
 /* Mean speed of a step on the joint's side. */
@@ -1208,51 +1267,70 @@ RBDI_INLINE rbd_real rbdi_act_mean(const rbd_actuators *a, const rbdi_act_shaft 
     return (1 - a->share) * s->x + a->share * x;
 }
 
-/* Torque of dry friction where it does not slide: w = offset + slope x. */
-typedef struct rbdi_act_stiction {
-    rbd_real offset, slope;
-} rbdi_act_stiction;
+/* The speed `still` of [laws of shafts], and whether the shaft coasts. */
+typedef struct rbdi_act_turning {
+    rbd_real still;
+    int coasts;
+} rbdi_act_turning;
 
-RBDI_PART rbdi_act_stiction rbdi_act_sticks(const rbd_motor *m, const rbdi_act_shaft *s,
-                                            const rbd_actuators *a) {
-    rbdi_act_stiction w;
-    w.offset = rbdi_zero();
-    w.slope = s->level / RBDI_ACTUATOR_CREEP;
-    if (m->friction.bristle > 0) {
-        w.offset = s->bristle + m->friction.bristle * a->dt * (1 - a->share) * s->x;
-        w.slope = m->friction.bristle * a->dt * a->share;
-    }
-    return w;
+RBDI_INLINE rbdi_act_turning rbdi_act_turning_at(const rbd_actuators *a, const rbdi_act_shaft *s,
+                                                 rbd_real x) {
+    const rbd_real turned = -s->x * (1 - a->share) / a->share;
+    const rbd_real least = turned < 0 ? turned : rbdi_zero();
+    const rbd_real most = turned > 0 ? turned : rbdi_zero();
+    rbdi_act_turning turning;
+    turning.still = rbdi_act_clamp(x, least, most);
+    turning.coasts = x > least && x < most;
+    return turning;
 }
 
-/* -1 or 1 where the dry friction of a rigid shaft slides at speed x, 0 where it sticks. */
-RBDI_INLINE int rbdi_act_slides(const rbdi_act_shaft *s, rbdi_act_stiction sticks, rbd_real x) {
-    const rbd_real w = sticks.offset + sticks.slope * x;
-    return w > s->level ? 1 : w < -s->level ? -1 : 0;
+/* The dry friction of a rigid shaft at speed x. */
+RBDI_PART rbdi_act_piece rbdi_act_dry(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                      const rbd_actuators *a) {
+    const rbdi_act_turning turning = rbdi_act_turning_at(a, s, x);
+    rbdi_act_piece dry;
+    rbd_real torque;
+    if (m->friction.bristle > 0) {
+        dry.start = -(s->bristle + m->friction.bristle * a->dt * (1 - a->share) * s->x);
+        dry.slope = m->friction.bristle * a->dt * a->share;
+    } else {
+        const rbd_real width = RBDI_ACTUATOR_CREEP + RBDI_ACTUATOR_BEND * rbdi_abs(turning.still);
+        dry.slope = turning.coasts ? rbdi_zero() : s->level / width;
+        dry.start = dry.slope * turning.still;
+    }
+
+    torque = rbdi_act_torque_of(dry, x);
+    if (torque <= s->level && torque >= -s->level) return dry;
+    dry.start = torque > 0 ? s->level : -s->level;
+    dry.slope = rbdi_zero();
+    return dry;
+}
+
+/* -1 or 1 where dry friction slides at the speed before the step, 0 where it sticks. */
+RBDI_PART int rbdi_act_slides(const rbd_motor *m, const rbdi_act_shaft *s, const rbd_actuators *a) {
+    const rbdi_act_piece dry = rbdi_act_dry(m, s, s->x, a);
+    return dry.slope > 0 ? 0 : -rbdi_act_sign(dry.start);
 }
 
 /* A rigid shaft without its dry friction. */
 RBDI_PART rbdi_act_piece rbdi_act_rigid_without(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
                                                 const rbd_actuators *a) {
     const rbdi_act_line line = rbdi_act_motor_at(s, x);
+    const rbdi_act_turning turning = rbdi_act_turning_at(a, s, x);
+    const rbd_real viscous = turning.coasts ? rbdi_zero() : rbdi_set(m->friction.viscous);
     const rbd_real J = rbdi_act_rotor_inertia(m);
     rbdi_act_piece piece;
-    piece.s = line.t + s->cogging + J * (s->x / a->dt - s->bias);
-    piece.slope = line.braking + s->cogging_slope + m->friction.viscous + J / a->dt;
+    piece.start = line.t + s->cogging + viscous * turning.still + J * (s->x / a->dt - s->bias);
+    piece.slope = line.braking + s->cogging_slope + viscous + J / a->dt;
     return piece;
 }
 
 RBDI_PART rbdi_act_piece rbdi_act_rigid_law(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
                                             const rbd_actuators *a) {
-    const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
-    const int slides = rbdi_act_slides(s, sticks, x);
+    const rbdi_act_piece dry = rbdi_act_dry(m, s, x, a);
     rbdi_act_piece piece = rbdi_act_rigid_without(m, s, x, a);
-    if (slides) {
-        piece.s = piece.s - (rbd_real)slides * s->level;
-    } else {
-        piece.s = piece.s - sticks.offset;
-        piece.slope = piece.slope + sticks.slope;
-    }
+    piece.start = piece.start + dry.start;
+    piece.slope = piece.slope + dry.slope;
     return piece;
 }
 
@@ -1264,7 +1342,7 @@ typedef struct rbdi_act_spring {
 /* The spring where the rotor's speed would be r + x_m without it, and falls by e for each unit of p. */
 RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real r, rbd_real e,
                                  rbd_real dt) {
-    const rbd_real delta = s->angle - s->g;
+    const rbd_real delta = s->angle - s->phi;
     const rbd_real half = m->backlash / 2;
     const rbd_real K = dt * m->stiffness + m->damping;
     const rbd_real up = dt * (m->stiffness * (delta - half) + K * r) / (1 + dt * K * e);
@@ -1335,48 +1413,62 @@ RBDI_PART rbdi_act_piece rbdi_act_law(const rbd_motor *m, const rbdi_act_shaft *
 
     spring = rbdi_act_spring_at(m, s, x, a);
     piece.slope = a->share * spring.slope;
-    piece.s = spring.p / a->dt + piece.slope * x;
+    piece.start = spring.p / a->dt + piece.slope * x;
     return piece;
 }
 
-/* By how much the joint's torque T at speed x is not that of the law. A coupled shaft may have any within the
-   level of friction while it sticks: there x is rounding. */
+/* By how much the joint's torque T at speed x is not that of the law, where the speed is known to a->rough. A
+   coupled shaft may have any torque within the level of friction while it sticks: there x is rounding. */
 RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
                                 const rbd_actuators *a) {
-    if (s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0) &&
-        rbdi_abs(x) <= RBDI_ACTUATOR_CREEP * (1 + s->scale)) {
-        const rbd_real w = rbdi_act_torque_of(rbdi_act_rigid_without(m, s, x, a), x) - T;
-        return rbdi_act_clamp(w, -s->level, s->level) - w;
+    const int sticks = s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0);
+    const rbd_real creep = sticks ? RBDI_ACTUATOR_CREEP * (1 + s->scale) : rbdi_zero();
+    const rbd_real slower = x - a->rough, faster = x + a->rough;
+    rbd_real least, most;
+    if (!(a->rough > 0)) return T - rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
+    if (!sticks) {
+        least = rbdi_act_torque_of(rbdi_act_law(m, s, faster, a), faster);
+        most = rbdi_act_torque_of(rbdi_act_law(m, s, slower, a), slower);
+    } else {
+        least = rbdi_act_torque_of(rbdi_act_rigid_without(m, s, faster, a), faster) +
+                rbdi_act_torque_of(rbdi_act_dry(m, s, faster + creep, a), faster + creep);
+        most = rbdi_act_torque_of(rbdi_act_rigid_without(m, s, slower, a), slower) +
+               rbdi_act_torque_of(rbdi_act_dry(m, s, slower - creep, a), slower - creep);
     }
-    return T - rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
+    return T - rbdi_act_clamp(T, least, most);
 }
 
-/* The size of what the law adds up at the new speed, N m; not so small that rounding is another. */
+/* The size of what the law adds up at the new speed, N m; not so small that rounding is another. A spring
+   passes on the share slope / (dt stiffness + damping) of what it adds up. */
 RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, const rbd_actuators *a) {
     const rbdi_act_piece law = rbdi_act_law(m, s, s->next, a);
-    const rbd_real wound = rbdi_abs(s->angle - s->g) + m->backlash;
+    const rbd_real wound = rbdi_abs(s->angle - s->phi) + m->backlash;
     const rbd_real speeds = rbdi_abs(s->x) + rbdi_abs(s->next) + rbdi_abs(s->speed);
-    return rbdi_abs(law.s) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) + m->stiffness * wound +
-           (a->dt * m->stiffness + m->damping) * speeds + RBD_C(1e-20);
+    const rbd_real K = a->dt * m->stiffness + m->damping;
+    rbd_real size = rbdi_abs(law.start) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) +
+                    rbdi_abs(s->t) + rbdi_abs(s->cogging) + s->level + RBD_C(1e-20);
+    if (K > 0) size = size + law.slope / (a->share * K) * (m->stiffness * wound + K * speeds);
+    return size;
 }
 
 /* The state of the shaft at the end of the step, where the joint's side has speed x and gets s->force. */
 RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
     rbdi_act_line line;
-    rbd_real t;
+    rbd_real t, way;
     s->joint = s->force;
     if (m->stiffness > 0) {
         const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
         s->joint = spring.p / a->dt;
         s->speed = spring.y;
-        s->angle = s->angle + a->dt * spring.y;
+        way = a->dt * spring.y;
     } else {
-        const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
         s->speed = x;
-        s->angle = s->g + a->dt * rbdi_act_mean(a, s, x);
-        if (m->friction.bristle > 0)
-            s->bristle = rbdi_act_clamp(sticks.offset + sticks.slope * x, -s->level, s->level);
+        way = a->dt * rbdi_act_mean(a, s, x);
+        if (m->friction.bristle > 0) s->bristle = -rbdi_act_torque_of(rbdi_act_dry(m, s, x, a), x);
     }
+
+    rbdi_act_lend(m, s, way);
+    s->angle = s->angle + way;
 
     line = rbdi_act_motor_at(s, s->speed);
     t = line.t - line.braking * s->speed;
@@ -1386,284 +1478,359 @@ RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_rea
     rbdi_act_heat(m, s, s->current, a->air, a->dt);
 }
 
+/* ==== src/actuator/search.h ==== */
+/* ---- search [search] ----
+   The way from the points of the shafts to new speeds, `next`, where the joints ask for `force`. */
+
+/* Slope of the function of [method] at the share c of the way. */
+RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
+    rbd_real sum = rbdi_zero();
+    for (int i = 0; i < a->n; ++i) {
+        const rbdi_act_shaft *s = &a->shaft[i];
+        const rbd_real d = s->next - s->point;
+        const rbd_real x = s->point + c * d;
+        const rbd_real T = s->base + c * (s->force - s->base);
+        sum = sum + (T - rbdi_act_torque_of(rbdi_act_law(&a->motor[i], s, x, a), x)) * d;
+    }
+    return sum;
+}
+
+/* Whether the function grows at the new speeds by a quarter of what it falls at the points. */
+RBDI_LOCAL int rbdi_act_overshoots(const rbd_actuators *a) {
+    const rbd_real falls = -rbdi_act_growth(a, rbdi_zero());
+    return falls > 0 && rbdi_act_growth(a, rbdi_set(RBD_C(1))) > RBD_C(0.25) * falls;
+}
+
+/* The share of the way at which the function is least. */
+RBDI_LOCAL rbd_real rbdi_act_least(const rbd_actuators *a) {
+    rbd_real least = rbdi_zero(), most = rbdi_set(RBD_C(1));
+    const rbd_real half = rbdi_set(RBD_C(0.5));
+    for (int k = 0; k < RBDI_ACTUATOR_HALVINGS; ++k) {
+        const rbd_real middle = half * (least + most);
+        if (rbdi_act_growth(a, middle) > 0)
+            most = middle;
+        else
+            least = middle;
+    }
+    return half * (least + most);
+}
+
+/* Moves the points to the new speeds or, where `searches` and the function grows there, to where it is least
+   on the way. */
+RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a, int searches) {
+    const int stops = searches && rbdi_act_overshoots(a);
+    const rbd_real share = stops ? rbdi_act_least(a) : rbdi_zero();
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
+        s->base = stops ? s->base + share * (s->force - s->base) : s->force;
+        s->point = stops ? s->point + share * (s->next - s->point) : s->next;
+    }
+}
+
 /* ==== src/actuator/coupled.h ==== */
 /* ---- coupled shafts [coupled shafts] ----
-   The shafts of a transmission. By their speeds x their joints move as T = base + P (x - point), P = M / dt,
-   where M is the mass that a group learns. */
+   If there are transmissions, the motion of the joints is learnt for all n shafts of the robot together. At
+   the speeds x of the shafts the joints ask of them the torques
 
-/* Speed of joint j at shaft speeds x. */
-RBDI_INLINE rbd_real rbdi_act_joint_speed(const rbdi_act_group *g, int j, const rbd_real *x) {
+       T = seen_T + M / dt (x - seen_x)
+
+   with speeds and torques (seen_x, seen_T) of a step that was made, and a mass M, n x n, symmetric and
+   positive definite. */
+
+/* Speed of joint j of a group where its shafts have those of their points. */
+RBDI_INLINE rbd_real rbdi_act_joint_speed(const rbdi_act_group *g, int j, const rbdi_act_shaft *s) {
     rbd_real v = rbdi_zero();
-    for (int i = 0; i < g->n; ++i) v = v + g->inverse[g->n * j + i] * x[i];
+    for (int i = 0; i < g->n; ++i) v = v + g->inverse[g->n * j + i] * s[i].point;
     return v;
 }
 
-/* Solves A x = b, A symmetric and positive definite, by L D L'; b becomes x, A its factor. Returns 0 if A is
-   not positive definite. */
-RBDI_LOCAL int rbdi_act_solve_small(rbd_real *A, int n, rbd_real *b) {
-    for (int k = 0; k < n; ++k) {
-        if (!(A[n * k + k] > 0)) return 0;
-        for (int i = k + 1; i < n; ++i) {
-            const rbd_real factor = A[n * i + k] / A[n * k + k];
-            for (int j = k + 1; j < n; ++j) A[n * i + j] = A[n * i + j] - factor * A[n * k + j];
-            b[i] = b[i] - factor * b[k];
-        }
-    }
-    for (int k = n - 1; k >= 0; --k) {
-        for (int j = k + 1; j < n; ++j) b[k] = b[k] - A[n * k + j] * b[j];
-        b[k] = b[k] / A[n * k + k];
-    }
-    return 1;
-}
+/* Tells the joints of a group torques and dampings with which they have the torques G'T at the speeds x of
+   the shafts' points. The dampings are a diagonal D that is at least A = G' diag(smooth) G:
 
-/* The law of each shaft at its point: without dry friction, and that friction where it sticks and slides. */
-typedef struct rbdi_act_laws {
-    rbdi_act_piece without[3];
-    rbdi_act_stiction sticks[3];
-    rbd_real level[3];
-} rbdi_act_laws;
-
-RBDI_LOCAL void rbdi_act_take_laws(const rbd_actuators *a, const rbdi_act_group *g, rbdi_act_laws *laws) {
-    for (int i = 0; i < g->n; ++i) {
-        const rbd_motor *m = &a->motor[g->first + i];
-        const rbdi_act_shaft *s = &a->shaft[g->first + i];
-        laws->sticks[i].offset = laws->sticks[i].slope = laws->level[i] = rbdi_zero();
-        if (m->stiffness > 0) {
-            laws->without[i] = rbdi_act_law(m, s, s->point, a);
-        } else {
-            laws->without[i] = rbdi_act_rigid_without(m, s, s->point, a);
-            laws->sticks[i] = rbdi_act_sticks(m, s, a);
-            laws->level[i] = s->level;
-        }
-    }
-}
-
-/* The speeds x at which the joints have the torques of the laws, if shaft i sticks (slides[i] = 0) or slides
-   (1, -1). Returns by how much friction contradicts that at x, N m; below 0 if there is no x. */
-RBDI_LOCAL rbd_real rbdi_act_speeds_if(const rbd_actuators *a, const rbdi_act_group *g,
-                                       const rbdi_act_laws *laws, const int *slides, rbd_real *x) {
+       D_jj = sum |A_jk|,   start = G'T + D G^-1 x */
+RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, rbdi_act_group *g) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
-    const int n = g->n;
-    rbd_real A[9], off = rbdi_zero();
-
-    /* (P + slope) x = s - w - base + P point */
-    for (int i = 0; i < n; ++i) {
-        const rbd_real w = slides[i] ? (rbd_real)slides[i] * laws->level[i] : laws->sticks[i].offset;
-        x[i] = laws->without[i].s - w - s[i].base;
-        for (int k = 0; k < n; ++k) {
-            A[n * i + k] = g->mass[n * i + k] / a->dt;
-            x[i] = x[i] + A[n * i + k] * s[k].point;
-        }
-    }
-    for (int i = 0; i < n; ++i) {
-        A[(n + 1) * i] = A[(n + 1) * i] + laws->without[i].slope;
-        if (!slides[i]) A[(n + 1) * i] = A[(n + 1) * i] + laws->sticks[i].slope;
-    }
-    if (!rbdi_act_solve_small(A, n, x)) return rbdi_set(RBD_C(-1));
-
-    for (int i = 0; i < n; ++i) {
-        const rbd_real w = laws->sticks[i].offset + laws->sticks[i].slope * x[i];
-        const rbd_real beyond =
-            slides[i] ? laws->level[i] - (rbd_real)slides[i] * w : rbdi_abs(w) - laws->level[i];
-        if (beyond > 0) off = off + beyond;
-    }
-    return off;
-}
-
-/* Tries the 3^n ways in which shafts stick or slide, and takes the speeds x that contradict theirs least: but
-   for rounding one does not. */
-RBDI_LOCAL void rbdi_act_speeds(const rbd_actuators *a, const rbdi_act_group *g, const rbdi_act_laws *laws,
-                                rbd_real *x) {
-    const int ways = g->n == 1 ? 3 : g->n == 2 ? 9 : 27;
-    rbd_real least = rbdi_set(RBD_C(-1));
-    for (int i = 0; i < g->n; ++i) x[i] = a->shaft[g->first + i].point;
-    for (int way = 0; way < ways; ++way) {
-        const int slides[3] = {way % 3 - 1, way / 3 % 3 - 1, way / 9 - 1};
-        rbd_real tried[3], off;
-        off = rbdi_act_speeds_if(a, g, laws, slides, tried);
-        if (off < 0 || (least >= 0 && !(off < least))) continue;
-        least = off;
-        for (int i = 0; i < g->n; ++i) x[i] = tried[i];
-        if (!(off > 0)) return;
-    }
-}
-
-/* Tells the joints torques and dampings with which they have the torques G'T at the shaft speeds x. The
-   dampings are a diagonal D that is at least A = G' diag(slope) G:
-
-       D_jj = sum |A_jk|,   s = G'T + D G^-1 x */
-RBDI_LOCAL void rbdi_act_tell_joints(rbdi_act_group *g, const rbd_real *T, const rbd_real *x,
-                                     const rbd_real *slope) {
     const int n = g->n;
     for (int j = 0; j < n; ++j) {
         rbd_real torque = rbdi_zero(), bound = rbdi_zero();
-        for (int i = 0; i < n; ++i) torque = torque + g->G[n * i + j] * T[i];
+        for (int i = 0; i < n; ++i) torque = torque + g->G[n * i + j] * s[i].base;
         for (int k = 0; k < n; ++k) {
             rbd_real A = rbdi_zero();
-            for (int i = 0; i < n; ++i) A = A + g->G[n * i + j] * slope[i] * g->G[n * i + k];
+            for (int i = 0; i < n; ++i) A = A + g->G[n * i + j] * s[i].smooth * g->G[n * i + k];
             bound = bound + rbdi_abs(A);
         }
-        g->s[j] = torque + bound * rbdi_act_joint_speed(g, j, x);
+        g->start[j] = torque + bound * rbdi_act_joint_speed(g, j, s);
         g->damping[j] = bound;
     }
 }
 
-/* The solution, where the joints' motion is known: torques T at the speeds x. Returns 0 if it is not, or if a
-   mass far from the true one makes torques or speeds without bound. */
-RBDI_LOCAL int rbdi_act_solve_group(const rbd_actuators *a, const rbdi_act_group *g, rbd_real *T, rbd_real *x,
-                                    rbd_real *slope) {
-    const rbdi_act_shaft *s = &a->shaft[g->first];
-    const int n = g->n;
-    rbdi_act_laws laws;
-    if (!g->known) return 0;
-
-    rbdi_act_take_laws(a, g, &laws);
-    rbdi_act_speeds(a, g, &laws, x);
-    for (int i = 0; i < n; ++i) {
-        T[i] = s[i].base;
-        for (int k = 0; k < n; ++k) T[i] = T[i] + g->mass[n * i + k] / a->dt * (x[k] - s[k].point);
-        if (!(rbdi_abs(T[i]) <= RBDI_ACTUATOR_LARGEST && rbdi_abs(x[i]) <= RBDI_ACTUATOR_MOST)) return 0;
-        slope[i] = laws.without[i].slope;
-    }
-    return 1;
-}
-
-/* Tells the joints of a group its laws at the point or, if the mass is known, at the speeds that will come
-   out. */
-RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, rbdi_act_group *g) {
-    const rbdi_act_shaft *s = &a->shaft[g->first];
-    rbd_real T[3], x[3], slope[3];
-    g->known = rbdi_act_solve_group(a, g, T, x, slope);
-    for (int i = 0; i < g->n && !g->known; ++i) {
-        const rbdi_act_piece piece = rbdi_act_law(&a->motor[g->first + i], &s[i], s[i].point, a);
-        x[i] = s[i].point;
-        T[i] = rbdi_act_torque_of(piece, x[i]);
-        slope[i] = piece.slope;
-    }
-    rbdi_act_tell_joints(g, T, x, slope);
-}
-
-/* Notes speeds and torques of the shafts at joint speeds v. */
+/* Notes speeds and torques of a group's shafts at joint speeds v, and how large the terms of both are. */
 RBDI_LOCAL void rbdi_act_note_group(const rbd_actuators *a, const rbdi_act_group *g, const rbd_real *v) {
     rbdi_act_shaft *s = &a->shaft[g->first];
     for (int i = 0; i < g->n; ++i) {
         s[i].next = rbdi_act_shaft_speed(g, i, v);
-        s[i].force = s[i].scale = rbdi_zero();
+        s[i].force = s[i].scale = s[i].size = rbdi_zero();
         for (int j = 0; j < g->n; ++j) {
-            const rbd_real torque = g->s[j] - g->damping[j] * v[g->dof[j]];
-            s[i].force = s[i].force + g->inverse[g->n * j + i] * torque;
+            const rbd_real share = g->inverse[g->n * j + i];
+            s[i].force = s[i].force + share * (g->start[j] - g->damping[j] * v[g->dof[j]]);
+            s[i].size = s[i].size + rbdi_abs(share * g->start[j]);
             s[i].scale = s[i].scale + rbdi_abs(g->G[g->n * i + j] * v[g->dof[j]]);
         }
     }
 }
 
-/* Whether the shafts have the torques of their laws, but for rounding of these and of the momentum. */
-RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, const rbdi_act_group *g) {
-    const rbdi_act_shaft *s = &a->shaft[g->first];
-    for (int i = 0; i < g->n; ++i) {
-        const rbd_motor *m = &a->motor[g->first + i];
-        const rbd_real off = rbdi_abs(rbdi_act_off(m, &s[i], s[i].force, s[i].next, a));
-        rbd_real size = rbdi_act_size(m, &s[i], a) + a->dt * m->friction.bristle * s[i].scale;
-        for (int k = 0; k < g->n && g->known; ++k)
-            size = size + rbdi_abs(g->mass[g->n * i + k]) / a->dt * s[k].scale;
-        if (off > RBDI_ACTUATOR_SETTLED * size) return 0;
+/* Notes the rounding of the set: of speeds and, after those, of torques, which all round each other by the
+   joints. The size of a coupled shaft's torque is that of its law, of what its joints were told, and of their
+   momentum. */
+RBDI_LOCAL void rbdi_act_note_rounding(rbd_actuators *a) {
+    a->rough = a->heavy = rbdi_zero();
+    for (int i = 0; i < a->n; ++i) {
+        rbdi_act_shaft *s = &a->shaft[i];
+        if (s->dof >= 0) s->scale = rbdi_abs(s->next);
+        if (s->dof >= 0) s->size = rbdi_zero();
+        a->rough = a->rough + RBDI_ACTUATOR_ROUNDING * s->scale;
+    }
+    for (int i = 0; i < a->n; ++i) {
+        rbdi_act_shaft *s = &a->shaft[i];
+        s->size = s->size + rbdi_act_size(&a->motor[i], s, a);
+        if (s->dof < 0) {
+            s->size = s->size + s->smooth * s->scale;
+            for (int k = 0; k < a->n && a->known; ++k)
+                s->size = s->size + rbdi_abs(a->mass[a->n * i + k]) / a->dt * a->shaft[k].scale;
+        }
+        a->heavy = a->heavy + RBDI_ACTUATOR_ROUNDING * s->size;
+    }
+}
+
+/* ---- foretelling [foretelling] ----
+   The speeds at which the joints, by what was learnt of them, ask for the torques of all laws: the method of
+   the repeats, with this motion in place of a step. */
+
+/* Solves A x = b by L D L', A = a->system symmetric and positive definite; b becomes x. Returns 0 if A is not
+   positive definite. */
+RBDI_LOCAL int rbdi_act_solve_system(const rbd_actuators *a, rbd_real *b) {
+    const int n = a->n;
+    rbd_real *A = a->system;
+    for (int k = 0; k < n; ++k) {
+        if (!(A[n * k + k] > 0)) return 0;
+        for (int i = k + 1; i < n; ++i) {
+            const rbd_real factor = A[n * i + k] / A[n * k + k];
+            for (int j = k + 1; j <= i; ++j) A[n * i + j] = A[n * i + j] - factor * A[n * j + k];
+            b[i] = b[i] - factor * b[k];
+        }
+    }
+    for (int k = n - 1; k >= 0; --k) {
+        for (int j = k + 1; j < n; ++j) b[k] = b[k] - A[n * j + k] * b[j];
+        b[k] = b[k] / A[n * k + k];
     }
     return 1;
 }
 
-/* ---- mass that is learnt [learning] ---- */
+/* The pieces of all shafts at their points. */
+RBDI_LOCAL void rbdi_act_take_pieces(rbd_actuators *a) {
+    for (int i = 0; i < a->n; ++i) {
+        rbdi_act_shaft *s = &a->shaft[i];
+        const rbdi_act_piece piece = rbdi_act_law(&a->motor[i], s, s->point, a);
+        s->start = piece.start;
+        s->slope = piece.slope;
+    }
+}
+
+/* Finds the speeds, `next`, at which the joints ask for the torques of the pieces, `force`. Returns 0 if there
+   are none within bounds.
+
+       (M / dt + slope) x = start - seen_T + M / dt seen_x */
+RBDI_LOCAL int rbdi_act_solve_pieces(rbd_actuators *a) {
+    const int n = a->n;
+    rbd_real *x = a->solution;
+    for (int i = 0; i < n; ++i) {
+        const rbdi_act_shaft *s = &a->shaft[i];
+        x[i] = s->start - s->seen_T;
+        for (int k = 0; k < n; ++k) {
+            a->system[n * i + k] = a->mass[n * i + k] / a->dt;
+            x[i] = x[i] + a->system[n * i + k] * a->shaft[k].seen_x;
+        }
+        a->system[(n + 1) * i] = a->system[(n + 1) * i] + s->slope;
+    }
+    if (!rbdi_act_solve_system(a, x)) return 0;
+
+    for (int i = 0; i < n; ++i) {
+        rbdi_act_shaft *s = &a->shaft[i];
+        s->next = x[i];
+        s->force = s->seen_T;
+        for (int k = 0; k < n; ++k)
+            s->force = s->force + a->mass[n * i + k] / a->dt * (x[k] - a->shaft[k].seen_x);
+        if (!(rbdi_abs(s->force) <= RBDI_ACTUATOR_LARGEST && rbdi_abs(s->next) <= RBDI_ACTUATOR_MOST))
+            return 0;
+    }
+    return 1;
+}
+
+/* Whether the laws have at `next` the torques of the pieces. */
+RBDI_LOCAL int rbdi_act_pieces_hold(const rbd_actuators *a) {
+    for (int i = 0; i < a->n; ++i) {
+        const rbd_motor *m = &a->motor[i];
+        const rbdi_act_shaft *s = &a->shaft[i];
+        const rbd_real law = rbdi_act_torque_of(rbdi_act_law(m, s, s->next, a), s->next);
+        const rbd_real off = rbdi_abs(s->start - s->slope * s->next - law);
+        if (off > RBDI_ACTUATOR_SETTLED * rbdi_act_size(m, s, a)) return 0;
+    }
+    return 1;
+}
+
+/* Moves the points to where, by what was learnt, the step ends: there the joints ask for `base`. A search
+   stops at the bend of one law at least, and most laws have one that matters. Returns 0 without a solution
+   within bounds. */
+RBDI_LOCAL int rbdi_act_foretell(rbd_actuators *a) {
+    for (int k = 0; k < a->n + RBDI_ACTUATOR_SEARCHES; ++k) {
+        int held;
+        rbdi_act_take_pieces(a);
+        if (!rbdi_act_solve_pieces(a)) return 0;
+        held = rbdi_act_pieces_hold(a);
+        rbdi_act_move_points(a, !held);
+        if (held) break;
+    }
+    for (int i = 0; i < a->n; ++i) {
+        rbdi_act_shaft *s = &a->shaft[i];
+        s->base = s->base - rbdi_act_off(&a->motor[i], s, s->base, s->point, a);
+    }
+    return 1;
+}
+
+/* ==== src/actuator/learning.h ==== */
+/* ---- learning [learning] ----
+   Each repeat tells a change d of the shafts' speeds and the impulse y that made it: M d = y. M is corrected by
+   BFGS (Nocedal and Wright 2006, section 6.1):
+
+       M + y y' / (y'd) - M d (M d)' / (d'M d)
+
+   Pairs of the same step are made conjugate first: d less what the pairs before it, d_k and y_k, have of it,
+
+       d - sum d_k (y_k'd) / (y_k'd_k),   y - sum y_k (y_k'd) / (y_k'd_k)
+
+   Then a correction keeps M d_k = y_k, so that after n of them M is exact where the joints' motion is linear,
+   and it stays positive definite (Schnabel 1983, Quasi-Newton methods using multiple secant equations). */
+
+RBDI_INLINE rbd_real rbdi_act_dot(const rbd_real *x, const rbd_real *y, int n) {
+    rbd_real sum = rbdi_zero();
+    for (int i = 0; i < n; ++i) sum = sum + x[i] * y[i];
+    return sum;
+}
 
 /* A first guess of the mass, a diagonal in kg m^2: the impulse of the step over the largest change of speed
    that it can have made. The least torque, 1e-3 N m, keeps it above 0. */
-RBDI_LOCAL void rbdi_act_guess_mass(const rbd_actuators *a, rbdi_act_group *g) {
-    const rbdi_act_shaft *s = &a->shaft[g->first];
-    for (int i = 0; i < g->n * g->n; ++i) g->mass[i] = rbdi_zero();
-    for (int i = 0; i < g->n; ++i) {
-        const rbd_real change = rbdi_abs(s[i].x) + rbdi_abs(s[i].next) + a->dt; /* by 1 rad/s^2 at least */
-        const rbd_real torque = rbdi_abs(s[i].force) + s[i].level + RBD_C(1e-3);
-        g->mass[(g->n + 1) * i] = a->dt * torque / change + rbdi_act_rotor_inertia(&a->motor[g->first + i]);
+RBDI_LOCAL void rbdi_act_guess_mass(rbd_actuators *a) {
+    for (int i = 0; i < a->n * a->n; ++i) a->mass[i] = rbdi_zero();
+    for (int i = 0; i < a->n; ++i) {
+        const rbdi_act_shaft *s = &a->shaft[i];
+        const rbd_real change = rbdi_abs(s->x) + rbdi_abs(s->next) + a->dt; /* by 1 rad/s^2 at least */
+        const rbd_real torque = rbdi_abs(s->force) + s->level + RBD_C(1e-3);
+        a->mass[(a->n + 1) * i] = a->dt * torque / change + rbdi_act_rotor_inertia(&a->motor[i]);
     }
-    g->known = 1;
+    a->known = 1;
 }
 
-/* Adds factor x x'. */
-RBDI_INLINE void rbdi_act_add_square(rbd_real *A, int n, rbd_real factor, const rbd_real *x) {
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) A[n * i + j] = A[n * i + j] + factor * x[i] * x[j];
+/* Adds factor x x' to M. */
+RBDI_LOCAL void rbdi_act_add_square(rbd_actuators *a, rbd_real factor, const rbd_real *x) {
+    for (int i = 0; i < a->n; ++i)
+        for (int j = 0; j < a->n; ++j) a->mass[a->n * i + j] = a->mass[a->n * i + j] + factor * x[i] * x[j];
 }
 
-RBDI_LOCAL int rbdi_act_is_positive(const rbd_real *A, int n) {
-    rbd_real copy[9], none[3] = {0, 0, 0};
-    for (int i = 0; i < n * n; ++i) copy[i] = A[i];
-    return rbdi_act_solve_small(copy, n, none);
+/* a->solution = M d. Returns d'M d. */
+RBDI_LOCAL rbd_real rbdi_act_move_mass(const rbd_actuators *a, const rbd_real *d) {
+    for (int i = 0; i < a->n; ++i) a->solution[i] = rbdi_act_dot(a->mass + a->n * i, d, a->n);
+    return rbdi_act_dot(d, a->solution, a->n);
 }
 
-/* Corrects the mass M so that M d = y, for the change d of the speeds and the impulse y that made it: by SR1
-   or, if that is not positive definite, by BFGS (Nocedal and Wright 2006, chapter 6). With r = y - M d
-
-       M + r r' / (r'd),   M + y y' / (y'd) - M d (M d)' / (d'M d)
-
-   SR1 is left out where r is across d to 1e-5, for it would divide by rounding. */
-RBDI_LOCAL void rbdi_act_learn(const rbd_actuators *a, rbdi_act_group *g) {
-    const rbdi_act_shaft *s = &a->shaft[g->first];
-    const int n = g->n;
-    rbd_real d[3], y[3], Md[3], r[3], A[9];
-    rbd_real d_d = rbdi_zero(), y_d = d_d, r_d = d_d, r_r = d_d, dMd = d_d, size = d_d;
-    for (int i = 0; i < n; ++i) d[i] = s[i].next - s[i].point;
-    for (int i = 0; i < n; ++i) {
-        Md[i] = rbdi_zero();
-        for (int k = 0; k < n; ++k) Md[i] = Md[i] + g->mass[n * i + k] * d[k];
-        y[i] = a->dt * (s[i].force - s[i].base);
-        r[i] = y[i] - Md[i];
-        d_d = d_d + d[i] * d[i];
-        y_d = y_d + y[i] * d[i];
-        r_d = r_d + r[i] * d[i];
-        r_r = r_r + r[i] * r[i];
-        dMd = dMd + d[i] * Md[i];
-        size = size + s[i].scale * s[i].scale;
+/* The pair (d, y) of the last repeat. */
+RBDI_LOCAL void rbdi_act_take_pair(const rbd_actuators *a, rbd_real *d, rbd_real *y) {
+    for (int i = 0; i < a->n; ++i) {
+        const rbdi_act_shaft *s = &a->shaft[i];
+        d[i] = s->next - s->seen_x;
+        y[i] = a->dt * (s->force - s->seen_T);
     }
-    if (!(d_d > RBDI_ACTUATOR_NOISE * RBDI_ACTUATOR_NOISE * size) || !(y_d > 0) || !(r_r > 0)) return;
-
-    for (int i = 0; i < n * n; ++i) A[i] = g->mass[i];
-    if (r_d * r_d > RBD_C(1e-10) * r_r * d_d) rbdi_act_add_square(A, n, 1 / r_d, r);
-    if (!rbdi_act_is_positive(A, n)) {
-        for (int i = 0; i < n * n; ++i) A[i] = g->mass[i];
-        rbdi_act_add_square(A, n, 1 / y_d, y);
-        rbdi_act_add_square(A, n, -1 / dMd, Md);
-        if (!rbdi_act_is_positive(A, n)) return;
-    }
-    for (int i = 0; i < n * n; ++i) g->mass[i] = A[i];
 }
 
-/* Guesses the base of the next step: the joints' torque at the speeds of this step's beginning. */
-RBDI_LOCAL void rbdi_act_foresee(const rbd_actuators *a, const rbdi_act_group *g) {
-    rbdi_act_shaft *s = &a->shaft[g->first];
-    for (int i = 0; i < g->n; ++i) {
-        s[i].base = s[i].force;
-        for (int k = 0; k < g->n; ++k)
-            s[i].base = s[i].base - g->mass[g->n * i + k] / a->dt * (s[k].next - s[k].x);
+/* Makes the pair (d, y) conjugate to those before it. */
+RBDI_LOCAL void rbdi_act_conjugate(const rbd_actuators *a, rbd_real *d, rbd_real *y) {
+    const int n = a->n;
+    for (int k = 0; k < a->pairs; ++k) {
+        const rbd_real *d_k = a->pair + 2 * n * k, *y_k = d_k + n;
+        const rbd_real share = rbdi_act_dot(y_k, d, n) / rbdi_act_dot(y_k, d_k, n);
+        for (int i = 0; i < n; ++i) {
+            d[i] = d[i] - share * d_k[i];
+            y[i] = y[i] - share * y_k[i];
+        }
+    }
+}
+
+/* If the speeds should have changed by d and did not, but for rounding, the mass there is ten times as large
+   at least: M + 9 M d (M d)' / (d'M d). */
+RBDI_LOCAL void rbdi_act_stiffen(rbd_actuators *a) {
+    rbd_real *d = a->pair, work;
+    a->pairs = 0;
+    for (int i = 0; i < a->n; ++i) d[i] = a->shaft[i].point - a->shaft[i].seen_x;
+    work = rbdi_act_move_mass(a, d);
+    if (work > 0) rbdi_act_add_square(a, 9 / work, a->solution);
+}
+
+/* Corrects the mass by the last repeat. Pairs before it are forgotten if it tells nothing that they did not,
+   which is so where the joints' motion is not linear. */
+RBDI_LOCAL void rbdi_act_learn(rbd_actuators *a) {
+    const int n = a->n;
+    rbd_real *d = a->pair + 2 * n * a->pairs, *y = d + n;
+    rbd_real work, square;
+    rbdi_act_take_pair(a, d, y);
+    work = rbdi_act_dot(d, y, n);
+    if (!(rbdi_act_dot(d, d, n) > RBDI_ACTUATOR_ACROSS * a->rough * a->rough) || !(work > 0)) {
+        rbdi_act_stiffen(a);
+        return;
+    }
+
+    rbdi_act_conjugate(a, d, y);
+    if (!(rbdi_act_dot(d, y, n) > RBDI_ACTUATOR_TELLING * work)) {
+        a->pairs = 0;
+        d = a->pair;
+        y = d + n;
+        rbdi_act_take_pair(a, d, y);
+    }
+
+    square = rbdi_act_move_mass(a, d);
+    rbdi_act_add_square(a, 1 / rbdi_act_dot(d, y, n), y);
+    rbdi_act_add_square(a, -1 / square, a->solution);
+    a->pairs = (a->pairs + 1) % n;
+}
+
+/* Guesses for the next step the torque that the joints ask for at the speeds of its beginning: that of this
+   step's beginning. */
+RBDI_LOCAL void rbdi_act_foresee(rbd_actuators *a) {
+    for (int i = 0; i < a->n; ++i) {
+        rbdi_act_shaft *s = &a->shaft[i];
+        s->base = s->force;
+        for (int k = 0; k < a->n; ++k)
+            s->base = s->base - a->mass[a->n * i + k] / a->dt * (a->shaft[k].next - a->shaft[k].x);
     }
 }
 
 /* ==== src/actuator/step.h ==== */
 /* ---- forward [forward code] ---- */
 
-/* All shafts at rest at their angles g, as warm as the air. */
+/* All shafts at rest at their angles phi, as warm as the air. */
 RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     a->air = air;
     a->begun = 0;
-    a->repeats = a->noted = 0;
+    a->repeats = a->noted = a->pairs = 0;
+    a->rough = a->heavy = rbdi_zero();
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
-        s->angle = s->g;
+        s->angle = s->phi;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
         s->motor = s->joint = s->current = s->level = rbdi_zero();
-        s->cogging = s->cogging_slope = rbdi_zero();
+        s->cogging = s->cogging_slope = s->lent = rbdi_zero();
         s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
         s->most = s->stall = s->droop = s->pass = rbdi_zero();
-        s->s = s->slope = s->point = s->base = s->next = s->force = s->scale = rbdi_zero();
+        s->start = s->slope = s->point = s->base = s->next = s->force = s->scale = rbdi_zero();
         s->branch = s->saturated = s->oldest = 0;
     }
-    for (int i = 0; i < a->groups; ++i) a->group[i].known = 0;
+    a->known = 0;
     for (int i = 0; i < a->n * a->ring; ++i) {
         rbd_command *c = &a->commands[i];
         c->q = c->v = c->kp = c->kd = c->torque = c->voltage = rbdi_zero();
@@ -1710,22 +1877,28 @@ RBDI_LOCAL int rbdi_act_is_command(const rbd_motor *m, const rbd_command *c) {
     return rbdi_act_all_moderate(x, 6) && c->kp >= 0 && c->kd >= 0 && other >= 0 && other <= 0;
 }
 
-/* Tells the step the pieces of all shafts at their points. */
+/* Tells the step the pieces of all shafts at their points or, if the mass is known, at the speeds that will
+   come out. */
 RBDI_LOCAL void rbdi_act_tell_all(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
+    a->known = a->known && rbdi_act_foretell(a);
+    rbdi_act_take_pieces(a);
     rbdi_clear(tau, a->nv);
     rbdi_clear(damping, a->nv);
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        rbdi_act_piece piece;
-        if (s->dof < 0) continue;
-        piece = rbdi_act_law(&a->motor[i], s, s->point, a);
-        tau[s->dof] = s->s = piece.s;
-        damping[s->dof] = s->slope = piece.slope;
+        const rbd_motor *m = &a->motor[i];
+        if (s->dof < 0) {
+            s->smooth = m->stiffness > 0 ? s->slope : rbdi_act_rigid_without(m, s, s->point, a).slope;
+            if (!a->known) s->base = s->start - s->slope * s->point;
+        } else {
+            tau[s->dof] = s->start;
+            damping[s->dof] = s->slope;
+        }
     }
     for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g) {
         rbdi_act_tell_group(a, g);
         for (int j = 0; j < g->n; ++j) {
-            tau[g->dof[j]] = g->s[j];
+            tau[g->dof[j]] = g->start[j];
             damping[g->dof[j]] = g->damping[j];
         }
     }
@@ -1746,19 +1919,20 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
     a->dt = dt;
     a->share = rbdi_set(first_order ? RBD_C(1) : RBD_C(0.5));
     a->begun = 1;
-    a->repeats = a->noted = 0;
+    a->repeats = a->noted = a->pairs = 0;
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *m = &a->motor[i];
         rbdi_act_shaft *s = &a->shaft[i];
         const rbd_command c = rbdi_act_delay(a, i, &commands[i]);
         if (!(m->stiffness > 0)) {
-            s->angle = s->g;
+            s->angle = s->phi;
             s->speed = s->x;
         }
         rbdi_act_drive_motor(m, s, &c, a->air, dt, m->stiffness > 0 ? rbdi_set(RBD_C(1)) : a->share);
         s->level = rbd_friction_level(&m->friction, s->speed, s->motor, -s->joint);
-        s->point = s->x;
-        s->branch = (int16_t)rbdi_act_slides(s, rbdi_act_sticks(m, s, a), s->x);
+        s->point = s->seen_x = s->x;
+        s->seen_T = s->base;
+        s->branch = (int16_t)rbdi_act_slides(m, s, a);
     }
     for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g)
         for (int j = 0; j < g->n; ++j) g->v[j] = v[g->dof[j]];
@@ -1771,9 +1945,10 @@ RBDI_LOCAL void rbdi_act_note_speeds(rbd_actuators *a, const rbd_real *v) {
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         if (s->dof < 0) continue;
         s->next = v[s->dof];
-        s->force = s->s - s->slope * s->next;
+        s->force = s->start - s->slope * s->next;
     }
     for (int i = 0; i < a->groups; ++i) rbdi_act_note_group(a, &a->group[i], v);
+    if (a->groups > 0) rbdi_act_note_rounding(a);
 }
 
 /* Whether all shafts have the torques of their laws at the new speeds. */
@@ -1781,88 +1956,42 @@ RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *m = &a->motor[i];
         const rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof < 0) continue;
-        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > 8 * RBDI_EPS * rbdi_act_size(m, s, a))
-            return 0;
+        const rbd_real bound =
+            s->dof < 0 ? RBDI_ACTUATOR_SETTLED * s->size : RBDI_ACTUATOR_ROUNDING * rbdi_act_size(m, s, a);
+        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > bound + a->heavy) return 0;
     }
-    for (const rbdi_act_group *g = a->group; g < a->group + a->groups; ++g)
-        if (!rbdi_act_group_settles(a, g)) return 0;
     return 1;
-}
-
-/* Slope of the function of [method] at the share c of the way from the points to the new speeds. */
-RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
-    rbd_real sum = rbdi_zero();
-    for (int i = 0; i < a->n; ++i) {
-        const rbdi_act_shaft *s = &a->shaft[i];
-        const rbd_real d = s->next - s->point;
-        const rbd_real T = s->base + c * (s->force - s->base);
-        sum = sum + rbdi_act_off(&a->motor[i], s, T, s->point + c * d, a) * d;
-    }
-    return sum;
-}
-
-/* Whether the function grows at the new speeds by a quarter of what it falls at the points. */
-RBDI_LOCAL int rbdi_act_overshoots(const rbd_actuators *a) {
-    const rbd_real falls = -rbdi_act_growth(a, rbdi_zero());
-    return falls > 0 && rbdi_act_growth(a, rbdi_set(RBD_C(1))) > RBD_C(0.25) * falls;
-}
-
-/* Moves the points to the new speeds or, if the function grows there after the first repeat, to where it is
-   least on the way. */
-RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a) {
-    rbd_real least = rbdi_zero(), most = rbdi_set(RBD_C(1));
-    const rbd_real half = rbdi_set(RBD_C(0.5));
-    if (a->noted > 1 && rbdi_act_overshoots(a)) {
-        for (int k = 0; k < RBDI_ACTUATOR_HALVINGS; ++k) {
-            const rbd_real middle = half * (least + most);
-            if (rbdi_act_growth(a, middle) > 0)
-                most = middle;
-            else
-                least = middle;
-        }
-        most = half * (least + most);
-    }
-
-    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
-        s->base = a->noted > 1 ? s->base + most * (s->force - s->base) : s->force;
-        s->point = s->point + most * (s->next - s->point);
-    }
 }
 
 /* Ends the step at the speeds that were noted. */
 RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) rbdi_act_end_shaft(&a->motor[i], &a->shaft[i], a->shaft[i].next, a);
-    for (int i = 0; i < a->groups; ++i)
-        if (a->group[i].known) rbdi_act_foresee(a, &a->group[i]);
+    if (a->known) rbdi_act_foresee(a);
 }
 
-/* Learns masses from the new speeds, moves the points there, and tells the step the pieces. */
+/* Learns from the new speeds, moves the points there, and tells the step the pieces. */
 RBDI_LOCAL void rbdi_act_repeat(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
     ++a->repeats;
     ++a->noted;
-    for (int i = 0; i < a->groups; ++i) {
-        if (!a->group[i].known)
-            rbdi_act_guess_mass(a, &a->group[i]);
-        else if (a->noted > 1)
-            rbdi_act_learn(a, &a->group[i]);
+    if (a->groups > 0 && !a->known)
+        rbdi_act_guess_mass(a);
+    else if (a->groups > 0 && a->noted > 1)
+        rbdi_act_learn(a);
+    rbdi_act_move_points(a, a->groups == 0 && a->noted > 1);
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
+        s->seen_x = s->point;
+        s->seen_T = s->base;
     }
-    rbdi_act_move_points(a);
     rbdi_act_tell_all(a, tau, damping);
 }
 
 /* Begins the step anew without the masses that were learnt, which made speeds without bound. Returns 0 if
    there are none. */
 RBDI_LOCAL int rbdi_act_forget(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
-    int known = 0;
-    for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g) {
-        known |= g->known;
-        g->known = 0;
-    }
-    if (!known) return 0;
-
+    if (!a->known) return 0;
+    a->known = 0;
     ++a->repeats;
-    a->noted = 0;
+    a->noted = a->pairs = 0;
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) s->point = s->x;
     rbdi_act_tell_all(a, tau, damping);
     return 1;
@@ -1917,7 +2046,7 @@ RBDI_LOCAL rbdi_act_slopes rbdi_act_slopes_of(const rbd_motor *m, const rbdi_act
     rbdi_act_slopes out;
     if (m->stiffness > 0) {
         const rbd_real k = m->stiffness, d = m->damping, half = m->backlash / 2;
-        const rbd_real free = k * (s->angle - s->g) + d * (s->speed - s->x);
+        const rbd_real free = k * (s->angle - s->phi) + d * (s->speed - s->x);
         const int side = free > k * half ? 1 : free < -k * half ? -1 : 0;
         out.torque = side ? free - (rbd_real)side * k * half : rbdi_zero();
         out.by_angle = side ? k : rbdi_zero();
@@ -1992,6 +2121,7 @@ RBDI_API rbd_status rbd_actuators_derivatives(const rbd_actuators *a, rbd_real *
 /* ==== src/actuator/check.h ==== */
 /* ---- checks [checks] ---- */
 
+/* Ranges are wider than any drive's, and so narrow that products of three fields are finite in float. */
 #define RBDI_ACTUATOR_MOST_GEAR RBD_C(1e6)
 #define RBDI_ACTUATOR_MOST_INERTIA RBD_C(1e3)      /* kg m^2 */
 #define RBDI_ACTUATOR_LEAST RBD_C(1e-9)            /* of what divides */
@@ -2239,6 +2369,10 @@ RBDI_LOCAL rbd_actuators *rbdi_act_lay_actuators(const rbd_model *m, const rbd_m
     a->shaft = RBDI_CUT(rbdi_act_shaft, n);
     a->group = RBDI_CUT(rbdi_act_group, groups);
     a->commands = RBDI_CUT(rbd_command, n * ring);
+    a->mass = RBDI_CUT(rbd_real, groups ? (4 * n + 1) * n : 0);
+    a->system = a->mass + n * n;
+    a->pair = a->system + n * n;
+    a->solution = a->pair + 2 * n * n;
     a->motor = motors;
     a->n = n;
     a->groups = groups;
@@ -2266,7 +2400,7 @@ RBDI_LOCAL rbd_status rbdi_act_place_motors(const rbd_model *m, rbd_actuators *a
                                             int groups, rbd_report *report) {
     for (int i = 0; i < a->n; ++i) {
         a->shaft[i].dof = a->shaft[i].at = -1;
-        a->shaft[i].g = a->shaft[i].x = a->shaft[i].bias = rbdi_zero();
+        a->shaft[i].phi = a->shaft[i].x = a->shaft[i].bias = rbdi_zero();
     }
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *motor = &a->motor[i];

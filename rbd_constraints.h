@@ -1787,8 +1787,7 @@ RBDI_LOCAL int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c,
 
 RBDI_LOCAL rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraint_set *c, int arrays) {
     if (!m || !c || !arrays) return RBD_ERR_NULL;
-    for (int k = 0; k < RBDI_SHAPE; ++k)
-        if (c->shape[k] != m->shape[k]) return RBD_ERR_WORK;
+    if (!rbdi_has_shape(m, c->shape)) return RBD_ERR_WORK;
     return rbdi_check(m, c->w, 1);
 }
 

@@ -285,7 +285,7 @@ typedef struct rbdi_segment {
     int16_t parent;     /* parent of the first dof, -1 = none */
     int16_t block;      /* whether it is a block */
     int16_t link;       /* link of the first dof */
-    int16_t origin;     /* of a root: end of the dofs of the links up to that of the common origin; else 0 */
+    int16_t origin;     /* of a root: end of the dofs from it to the link of the common origin; else 0 */
 } rbdi_segment;
 
 /* A dof: its entries in the results, and its place among the lanes. */
@@ -301,11 +301,11 @@ typedef struct rbdi_entry {
     int32_t row;       /* index of its row in a square matrix */
 } rbdi_entry;
 
-/* A batch in which dofs are ancestors of a dof or in its subtree, with a bit for each such lane. */
+/* A batch that has relatives of a dof, ancestors or dofs of its subtree, with a bit for the lane of each. */
 typedef struct rbdi_relatives {
     int32_t batch;  /* -1 ends a list */
     int16_t row;    /* index of the batch's first scalar in a row of entries */
-    int16_t whole;  /* in the first of a list: the list has all batches but those of a free base */
+    int16_t whole;  /* in the first of a dof's three lists: they have all batches but those of a free base */
     uint64_t lanes; /* as wide as a lane of doubles, with which it is compared */
 } rbdi_relatives;
 enum { RBDI_ON_PATH = 0, RBDI_IN_SUBTREE = 16 }; /* first bits: a batch has at most 16 lanes */
@@ -438,19 +438,19 @@ RBDI_INLINE RBDI_T rbdi_power(rbdi_motion S, rbdi_force f) {
 /* Interface: RBDI_OF */
 
 /* ---- common frame [common frame] ----
-   All quantities of a tree are in one frame. Its axes are those of the world. Its origin is the origin of
-   the tree's first link that rotates, and it moves with the velocity that this point has now. Every frame
-   that moves uniformly gives the same matrices. In this one the numbers do not grow with the distance and
-   the speed of the robot, so their differences keep their digits. Seen from this frame the world moves with
-   -v of that point.
+   All quantities of a tree are in one frame. Its axes are those of the world. Its origin is the origin of the
+   tree's first link that rotates, and it moves with the velocity that this point has now. Every frame that
+   moves uniformly gives the same matrices. In this one the numbers do not grow with the distance and the
+   speed of the robot, so their differences keep their digits. Seen from this frame the world moves with -v of
+   that point.
 
    In one frame a recursion over the links is a sum: over the ancestors of a link or over its subtree. All
    else is computed for each dof alone. SIMD lanes are dofs, in the caller's order.
 
    A joint of several dofs is a chain of dofs without mass between them. All its dofs have the same link and
-   the same parent. R = (ex ey ez) has the axes of the link, cycled so that the dof's own axis is ez; x is
-   the link's origin. V and A are velocity and acceleration of the link, V_p and A_p those of its parent.
-   (omega; v) and (omega_dot; a) are their two halves.
+   the same parent. R = (ex ey ez) has the axes of the link, cycled so that the dof's own axis is ez; x is the
+   link's origin. V and A are velocity and acceleration of the link, V_p and A_p those of its parent. (omega;
+   v) and (omega_dot; a) are their two halves.
 
        S = (rho ez; x x rho ez + kappa ez)      rho, kappa = 1, 0 turns; 0, 1 slides; 1, pitch: a screw
        V = V_p + sum over the joint of S qd
@@ -485,16 +485,16 @@ RBDI_INLINE RBDI_T rbdi_power(rbdi_motion S, rbdi_force f) {
    for rbd_coriolis of V: so the sums make 2 B or B.
 
    With a free base whose subtree has all other dofs (d->base) the frame has the axes of the base too. The S
-   of the base's dofs are unit vectors e there. With its velocity (w; v), V = (w; 0) in this frame, and
+   of the base's dofs are unit vectors there; [base entries] has their U and Phi. With the velocity (w; v) of
+   the base, V = (w; 0) in this frame, and
 
        A = (w_dot; v_dot + w x v - gravity)
 
-   Its dofs have
-
-       turns     U = (w x e; e x v)   Phi = (0; -gravity x e)
-       shifts    U = (0; w x e)       Phi = 0
-
-   RBDA 2.9, 2.10 and 5.3 have the two cross products, Echeandia and Wensing (2021) the matrix B. */
+   RBDA 2.9, 2.10 and 5.3 have the two cross products, Echeandia and Wensing (2021) the matrix B. Columns and
+   entries are those of Singh, Russell and Wensing (2022), after Carpentier and Mansard (2018). What the
+   former call Psi_dot, Psi_ddot and S_dot is Psi, Phi and V x S here; their I^C, B^C and f^C are sums over
+   subtrees. In these rooms U and D are not those of [aba], X is no pose and E no rotation, but for the E of
+   poses. */
 
 #if RBDI_BATCH > 1
 typedef rbdi_batch rbdi_cbatch; /* a batch of constants */
@@ -673,6 +673,7 @@ RBDI_INLINE void rbdi_copy_batch(const rbd_real *batch, int left, rbd_real *y) {
 /* ==== src/derivatives/common_frame.h ==== */
 /* ---- motion in the common frame [common motion] ---- */
 
+/* The last dof of a link, in the solver's order. */
 RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
     return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
 }
@@ -735,37 +736,42 @@ RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, r
 
 /* Axes and origins of all links. base: dofs of a free base whose axes the frame has, or 0. */
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
-    const int known = base ? 0 : -1; /* the last link that is where the frame is */
+    const int frame = base ? 0 : -1; /* the link, or the world, whose axes the common frame has */
     rbdi_pose p = rbdi_world_pose(); /* of the link before, then of link i */
 
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
 
-        if (l->parent <= known) {
+        /* the parent's pose, unless p is that already */
+        if (l->parent <= frame) {
             p = rbdi_world_pose();
         } else if (l->parent != i - 1) {
             p = rbdi_common_pose(m, d, l->parent);
         }
 
+        /* link i's. A root block has the common origin, and a base its axes too */
         if (!rbdi_is(l, RBDI_BLOCK))
             RBDI_BY_FLAGS(const int flags, l,
                           p = rbdi_pose_step(l, flags, rbdi_trig_of(m, d->work, i, flags), p));
         else if (!rbdi_on_world(l))
             p = rbdi_pose_block(&d->work->block[l->block].X, p);
         else if (!base || i > 0)
-            p.E = d->work->block[l->block].X.E; /* the origin stays 0 */
+            p.E = d->work->block[l->block].X.E;
 
+        /* the common origin is that of this link */
         if (d->origin[i] >= 0) {
             if (d->origin[i] < i) rbdi_move_origin(m, d, i, p.r);
             p.r = rbdi_vec0();
         }
 
+        /* of a base only the last dof, which has the inertia, needs axes */
         if (rbdi_is(l, RBDI_BLOCK)) {
             const rbdi_pose own = p; /* an address of p would keep it in memory */
             rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &own);
-        } else
+        } else {
             rbdi_put_axes(d, l->first, rbdi_vec(p.E.xx, p.E.xy, p.E.xz), rbdi_vec(p.E.yx, p.E.yy, p.E.yz),
                           rbdi_vec(p.E.zx, p.E.zy, p.E.zz), p.r);
+        }
     }
 }
 
@@ -783,16 +789,17 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     }
 }
 
-/* Sums over ancestors: p of an rbdi_carried from the joints' parts. Vp: its first scalar in d->columns.
-   world: the motion of the roots' parent or, with a base, of the base
-   moves: whether the motion is a velocity, which is taken relative to that of the common origin */
+/* Sums over ancestors: p of an rbdi_carried from the joints' parts.
+   Vp      the first scalar of p in d->columns
+   world   the motion of the roots' parent or, with a base, of the base
+   moves   whether the motion is a velocity, which is taken relative to that of the common origin */
 RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, rbdi_motion world,
                                     int moves) {
     const ptrdiff_t apart = offsetof(rbdi_carried, joint) / sizeof(rbd_real); /* from p to joint */
     const rbdi_entry *entry = d->entry;
     const rbdi_segment *seg = d->segment + (base > 0), *end = d->segment + d->segments;
 
-    if (base) {
+    if (base) { /* as if its joint did not move */
         rbdi_store_motion(Vp + entry[base - 1].at, RBDI_BATCH, world);
         rbdi_store_motion(Vp + entry[base - 1].at + apart, RBDI_BATCH, rbdi_motion0());
     }
@@ -810,6 +817,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
         for (int k = seg->first; moves && k < seg->origin; ++k)
             V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
 
+        /* of a block: all dofs have its p and its joint's sum */
         if (seg->block) {
             rbdi_motion all = rbdi_motion0();
             for (int k = seg->first; k < seg->end; ++k)
@@ -821,6 +829,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
             continue;
         }
 
+        /* of a chain: dof by dof */
         for (int k = seg->first; k < seg->end; ++k) {
             rbd_real *out = Vp + entry[k].at;
             RBDI_ONE_INDEX(out);
@@ -830,8 +839,8 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Copies v or a into the lanes, which have the same order, from dof k on: 0 or the first behind a base.
-   out: the field's first scalar in d->columns. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a base. out:
+   the first scalar of the field in d->columns. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
 
@@ -1122,7 +1131,7 @@ RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch mass,
     return F;
 }
 
-/* F + B (w; any): n + (tr(X) - X) w and f + w x P. */
+/* F + B S, which needs only w of S = (w; v): n + (tr(X) - X) w and f + w x P. */
 RBDI_INLINE rbdi_bforce rbdi_subtree_B_add(rbdi_bforce F, const rbdi_sums *s, rbdi_b3 w) {
     const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz;
 
@@ -1254,8 +1263,8 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *cols, int want, rbdi_mo
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(cols->F, S);
 }
 
-/* Adds the entries y of two dofs, which are `stride` apart, to those of the joints that they follow: with
-   mimic joints a result is G' (.) G, G = dv/dv of all joints by those of the caller. */
+/* Adds the entries y of two dofs, one of each result, `stride` apart, to those of the joints that they
+   follow. With mimic joints the velocities of all joints are G v, and each result is G' (.) G. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const rbdi_entry *column,
                               const rbd_real *y, ptrdiff_t stride, rbdi_wanted out) {
     const rbd_real ratio = rbdi_ratio(m, row->source) * rbdi_ratio(m, column->source);
@@ -1266,7 +1275,7 @@ RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const r
     }
 }
 
-/* dtau_i/dq_j = T_i' Psi_j + F_i' Phi_j of dofs i before j of one block, over what the rows have there. */
+/* Replaces dtau_i/dq_j of dofs i before j of one block by T_i' Psi_j + F_i' Phi_j. */
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
     for (const rbdi_segment *seg = d->segment + (d->base > 0); seg < d->segment + d->segments; ++seg)
         for (int i = seg->first; seg->block && i < seg->end; ++i) {
@@ -1297,7 +1306,7 @@ RBDI_INLINE rbdi_relatives *rbdi_relatives_of(const rbd_derivatives *d, int i) {
     return d->relatives + d->entry[i].source * rbdi_relatives_length(d);
 }
 
-/* Mask of the lanes whose bits begin at first. */
+/* Mask of the lanes on the path (first = RBDI_ON_PATH), or of those in the subtree. */
 RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *rel, int first) {
     rbdi_bits lanes;
     for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
@@ -1324,7 +1333,7 @@ RBDI_INLINE void rbdi_put_both(const rbdi_batch *y, const rbdi_batch *z, const r
     }
 }
 
-/* The row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
+/* The row of the dof at e, from the columns behind a free base on. rel: its three lists, in a row. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
     const rbd_real *own = (const rbd_real *)columns + e->at;
@@ -1469,18 +1478,21 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 /* ==== src/derivatives/base_entries.h ==== */
 /* ---- entries of a free base [base entries] ----
    The frame has the axes of the base, and the S of its dofs are unit vectors. So the entries of its rows are
-   components of F_j, D_j, E_j. The base's columns by its velocity (w; v) and its turn theta are, with
-   (n; f) = F_j and the world's acceleration minus_g,
+   components of F_j, D_j, E_j. With the velocity (w; v) of the base, its turn theta, the world's acceleration
+   minus_g, and (n; f) = F_j, its dofs have
+
+       U = (w; -v) x S,   Phi = (0; minus_g x S_omega)
+
+   and the base's columns of the other rows are
 
        dtau_j/dw = T_j + n_j x w - f_j x v
        dtau_j/dv = f_j x w
        dtau_j/dtheta = f_j x minus_g
 
-   Its position has no effect. Without this, derivatives of inverse dynamics take 50 % more instructions for
-   HyQ, 17 % for Atlas. */
+   The position of the base has no effect. Without this, derivatives of inverse dynamics take 50 % more
+   instructions for HyQ, 17 % for Atlas. */
 
-/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree, where
-   U = (w; -v) x S and Phi = (0; minus_g x S_omega):
+/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree:
 
        F = I S,   D = 2 B S + I U,   E = I Phi = (h x Phi_v; m Phi_v) */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
@@ -1523,10 +1535,10 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
     }
 }
 
-/* Stores n components of a field of all dofs as rows of a matrix. x: the field's first scalar in
+/* Stores n components of a field of all dofs as rows of a matrix. x: the first scalar of the field in
    d->columns. A batch may overwrite the beginning of the next row, which is stored later, but does not pass
-   end, the number of the matrix's entries. Only the last row asks for it: two rows must be as long as a
-   batch. */
+   end, the number of the matrix's entries. Only the last row compares with it, so that two rows must not be
+   shorter than a batch. */
 RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x, int n, ptrdiff_t end,
                                      rbd_real *out) {
     const ptrdiff_t nv = d->model->nv, base = d->base, behind = d->behind;
@@ -1556,8 +1568,10 @@ RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 
 
     out += first * nv;
     RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k) {
-        if (k < nv - first) RBDI_UNROLL_SIX
-            for (int j = 0; j < 6; ++j) out[k * nv + j] = ((const rbd_real *)&x[j])[k];
+        if (k < nv - first) {
+            RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+                out[k * nv + j] = ((const rbd_real *)&x[j])[k];
+        }
     }
 }
 
@@ -1601,7 +1615,7 @@ RBDI_INLINE int rbdi_first_solved(const rbd_derivatives *d, const rbd_real *by_q
     return by_q ? 4 : 3;
 }
 
-/* Stores them: of the base's rows D, of the others T + n x w. */
+/* Stores the three columns by w: of the base's rows D, of the others T + n x w. */
 RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v) {
     const ptrdiff_t nv = d->model->nv;
     const rbdi_b3 w = rbdi_b_all(d->V.omega);
@@ -1610,8 +1624,11 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
     if (!by_v) return;
 
     rbdi_place_turns(by_q, by_v, turn);
+
+    /* rows of the base */
     for (int j = 0; j < 3; ++j) rbdi_store_force(turn[j], nv, rbdi_load_force(RBDI_OF(d, j, D), RBDI_BATCH));
 
+    /* the other rows */
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 column = rbdi_b_cross_add(d->columns[b].T, d->columns[b].F.n, w);
         const rbd_real *x = (const rbd_real *)&column;
@@ -1801,22 +1818,26 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
 RBDI_PART int rbdi_list_of(uint64_t lanes) {
     const int subtree = lanes >> RBDI_IN_SUBTREE != 0, path = lanes % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
     if (path && subtree) return 1;
-    return subtree ? 2 : path - 1;
+    if (subtree) return 2;
+    return path ? 0 : -1;
 }
 
-/* The lists of all dofs behind a free base. */
+/* The three lists of each dof behind a free base: batches with lanes on its path only, with both, with lanes
+   in its subtree only. */
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
     uint64_t *lanes = d->lanes;
 
     for (int i = d->base; i < d->n; ++i) {
         rbdi_relatives *list = rbdi_relatives_of(d, i), *rel = list;
 
+        /* the lanes of its relatives, by batch */
         for (int b = 0; b < d->batches; ++b) lanes[b] = 0;
         for (int j = d->entry[i].parent; j >= d->base; j = d->entry[j].parent)
             lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_ON_PATH + d->entry[j].lane);
         for (int j = i; j < d->entry[i].end; ++j)
             lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_IN_SUBTREE + d->entry[j].lane);
 
+        /* list by list, each with its end */
         for (int which = 0; which < 3; ++which) {
             for (int b = d->behind; b < d->batches; ++b) {
                 if (rbdi_list_of(lanes[b]) != which) continue;
@@ -2183,11 +2204,12 @@ RBDI_API rbd_status rbd_relative_jacobian_derivative(const rbd_model *m, const r
    If A = 0 at the base, the wrenches of the links add up to f. The missing wrench tau - f gives A = y of the
    base: I y = tau - f, with I the inertia of the whole tree, by Newton's and Euler's laws about the centre of
    mass. In the common frame the A of all links increases by y. The torques are S' f + F' y, with f of the
-   subtree and F = I S. Gravity and the base's linear velocity are in y only: v_dot = y - w x v + gravity.
-   rbd_hybrid serves other models, and a y in doubt. */
+   subtree and F = I S. Gravity and the base's linear velocity are in the linear part y_v of y only:
+   v_dot = y_v - w x v + gravity. rbd_hybrid serves other models, and states in which y is in doubt. */
 
 #ifndef RBD_NO_CHOLESKY
-/* M^-1 x of turns, by pivots from the end, as in [packed matrix]: M = L'DL. z, y: 1/D of these rows. */
+/* M^-1 x for the 3 x 3 matrix M of turns, by pivots from the end, as in [packed matrix]: M = L'DL. z, y: 1/D
+   of these rows. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
     const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt);
     const rbd_real L_zy = M.yz * z;
@@ -2277,7 +2299,7 @@ RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, con
     if (rbdi_any(doubt)) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
     rbdi_put_torques(m, d, y, a, tau);
 
-    /* v_dot = y - w x v + gravity */
+    /* v_dot = y_v - w x v + gravity */
     y.v = rbdi_add(y.v, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)));
     y.v = rbdi_sub(y.v, rbdi_cross(d->V.omega, rbdi_load_vec(v + 3, 1)));
     rbdi_store_motion(a, 1, y);
@@ -2354,13 +2376,13 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
    times. If each of 24 links is twice as heavy as its parent, da/dq has no correct digit; by the factor it
    has six.
 
-   With a free base, gravity and the base's linear velocity enter the dynamics only by the A of the base.
-   The call leaves both out. Its unknowns are y = (A of the base; accelerations of the joints). y does not
-   depend on position, attitude and linear velocity of the base. At the end v_dot and its derivatives follow
-   from y and those of y:
+   With a free base, gravity and the base's linear velocity enter the dynamics only by the A of the base. The
+   call leaves both out. Its unknowns are y = (A of the base; accelerations of the joints). y does not depend
+   on position, attitude and linear velocity of the base. At the end v_dot and its derivatives follow from the
+   linear part y_v of A and its derivatives. With the velocity (w; u) of the base,
 
-       v_dot = y - w x v + gravity
-       by w: dy - e x v      by v: -w x e      by the turn theta: e x minus_g */
+       v_dot = y_v - w x u + gravity
+       by w: dy_v/dw + [u]x     by u: -[w]x     by the turn theta: [gravity]x     by joints: those of y_v */
 
 #ifndef RBD_NO_CHOLESKY
 /* Writes M as a packed matrix, M_ik = S_k' F_i on the path of i. The model has no mimic joints. */
@@ -2374,7 +2396,8 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
 
-        if (d->base) rbdi_store_force(row, 1, F); /* over the end of a base's row goes the next row */
+        /* S_k of a base are unit vectors. A row shorter than six spills into the next, which comes later */
+        if (d->base) rbdi_store_force(row, 1, F);
         for (int k = e[i].parent; k >= d->base; k = e[k].parent)
             *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S), RBDI_BATCH), F);
         *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;
@@ -2403,7 +2426,8 @@ RBDI_COLD void rbdi_factor_again(const rbd_model *m, rbd_work *w) {
     rbdi_check_factor(m, w, w->H, doubt);
 }
 
-/* x = tau - c, with c_i = S_i' f_i; of a free base c = f. Lanes have the order of c. */
+/* x = tau - c, with c_i = S_i' f_i; of a free base c = f. A batch of lanes is a piece of c: both have the
+   caller's order. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
 
@@ -2418,11 +2442,12 @@ RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd
     for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
 }
 
-/* Adds the effect of a to A_p and f of all dofs; then Phi and E. */
+/* Steps 3 and, by q, 4: adds the effect of a to A_p and f of all dofs; then Phi and E. */
 RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, const rbd_real *a) {
     const int base = d->base, first = base ? d->behind : 0;
     const rbdi_motion A = base ? rbdi_load_motion(a, 1) : rbdi_motion0();
 
+    /* S a and F a of each dof, then their sums: A_p' and that of F a */
     rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), RBDI_FIELD(d, qdd));
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *cols = &d->columns[b];
@@ -2458,16 +2483,14 @@ RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
     }
 }
 
-/* Replaces y, in d->a, by a, and the derivatives of y by those of a. Either may be NULL. v: velocity of the
-   base, (w; u). The rows of v_dot are those of y and
-
-       by theta: [gravity]x      by w: [u]x      by u: -[w]x */
+/* Replaces y, in d->a, by a, and the derivatives by_q and by_v of y, either of which may be NULL, by those of
+   a. v: its first six are (w; u) of the base. The formulas are those of [forward dynamics code]. */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;
     const rbdi_v3 w = rbdi_load_vec(v, 1), u = rbdi_load_vec(v + 3, 1),
                   g = rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)),
-                  y = rbdi_load_vec(d->a + 3, 1);
+                  y_v = rbdi_load_vec(d->a + 3, 1);
     rbd_real *turn[3];
 
     /* the columns by w from the places of rbdi_place_turns to their own; the base's others are 0 */
@@ -2480,7 +2503,8 @@ RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, cons
         if (by_q) rbdi_clear(by_q + r, 6);
     }
 
-    rbdi_store_vec(d->a + 3, 1, rbdi_add(rbdi_sub(y, rbdi_cross(w, u)), g));
+    /* v_dot, and what its rows have beyond those of y_v */
+    rbdi_store_vec(d->a + 3, 1, rbdi_add(rbdi_sub(y_v, rbdi_cross(w, u)), g));
     if (by_q) rbdi_add_skew(by_q + 3 * nv, nv, g);
     if (by_v) {
         rbdi_add_skew(by_v + 3 * nv, nv, u);
@@ -2514,7 +2538,7 @@ RBDI_INLINE rbdi_mask rbdi_solve_acceleration(const rbd_model *m, rbd_derivative
     return doubt;
 }
 
-/* Steps 4 and 5: da/dq and da/dv, one of them or both; of a free base those of y. */
+/* The rest of step 4, and step 5: da/dq and da/dv, one of them or both; of a free base those of y. */
 RBDI_INLINE void rbdi_acceleration_derivatives(const rbd_model *m, rbd_derivatives *d, rbd_real *da_dq,
                                                rbd_real *da_dv) {
     const int first = rbdi_first_solved(d, da_dq, da_dv);
@@ -2750,8 +2774,9 @@ RBDI_PART void rbdi_regress_body(const rbd_model *m, const rbd_derivatives *d, c
             rbd_real part[10];
             rbdi_regress(K, stride, S_k, part);
             for (int j = 0; j < 10; ++j) y[j] = y[j] + part[j] * ratio;
-        } else
+        } else {
             rbdi_regress(K, stride, S_k, y);
+        }
     }
 }
 
@@ -2919,19 +2944,19 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
        integrate     by q  exp(-ad)         by d   J_r = (1 - exp(-ad)) / ad
        difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)
 
-   ad is the dual number [w]x + eps [u]x: a function f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2 on the diagonal
-   and the derivative of f([w]x) along u below it. b and c are functions of x = w'w. With t_n = sum over k of
-   (-x)^k / (n + 2k)!, where 2 dt_n/dx = n t_n+2 - t_n+1, they are
+   ad is the dual number [w]x + eps [u]x: a function f(ad) has f([w]x) = 1 + k1 [w]x + k2 [w]x^2 on the
+   diagonal and the derivative of f([w]x) along u below it. k1 and k2 are functions of x = w'w. With t_n = sum
+   over k of (-x)^k / (n + 2k)!, where 2 dt_n/dx = n t_n+2 - t_n+1, they are
 
-       exp(-ad)   b = -t_1, c = t_2
-       J_r        b = -t_2, c = t_3
-       J_r^-1     b = 1/2,  c = (t_3 - 2 t_4) / (2 t_2)
+       exp(-ad)   k1 = -t_1, k2 = t_2
+       J_r        k1 = -t_2, k2 = t_3
+       J_r^-1     k1 = 1/2,  k2 = (t_3 - 2 t_4) / (2 t_2)
 
    Sola, Deray and Atchuthan (2018) for J_r; Barfoot, State Estimation for Robotics (2017), 7.1.5. */
 
-/* f(ad): b, c and their derivatives by x. */
+/* f(ad): k1, k2 and their derivatives by x. */
 typedef struct rbdi_ad_function {
-    rbd_real b, c, db, dc;
+    rbd_real k1, k2, dk1, dk2;
 } rbdi_ad_function;
 
 /* t_0 .. t_6 of a turn w: t_0 = cos, t_1 = sin / angle; from the series where x < 1, else
@@ -2960,31 +2985,31 @@ RBDI_INLINE rbd_real rbdi_tail_slope(const rbd_real t[7], int n) {
 
 enum { RBDI_EXP_MINUS_AD, RBDI_J_R, RBDI_J_R_INVERSE };
 
-/* b and c of the table above, and their derivatives. */
+/* k1 and k2 of the table above, and their derivatives. */
 RBDI_LOCAL rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real t[7]) {
     const int n = which == RBDI_EXP_MINUS_AD ? 1 : 2;
     rbdi_ad_function f;
 
     if (which == RBDI_J_R_INVERSE) {
         const rbd_real half = rbdi_set(RBD_C(0.5)), factor = half / t[2], slope = rbdi_tail_slope(t, 4);
-        f.b = half;
-        f.db = rbdi_zero();
-        f.c = (t[3] - (t[4] + t[4])) * factor;
-        f.dc = (rbdi_tail_slope(t, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(t, 2)) * factor;
+        f.k1 = half;
+        f.dk1 = rbdi_zero();
+        f.k2 = (t[3] - (t[4] + t[4])) * factor;
+        f.dk2 = (rbdi_tail_slope(t, 3) - (slope + slope) - (f.k2 + f.k2) * rbdi_tail_slope(t, 2)) * factor;
         return f;
     }
 
-    f.b = -t[n];
-    f.db = -rbdi_tail_slope(t, n);
-    f.c = t[n + 1];
-    f.dc = rbdi_tail_slope(t, n + 1);
+    f.k1 = -t[n];
+    f.dk1 = -rbdi_tail_slope(t, n);
+    f.k2 = t[n + 1];
+    f.dk2 = rbdi_tail_slope(t, n + 1);
     return f;
 }
 
 /* J = scale f(ad) of the step d = (w; u):
 
-       diagonal   1 + b [w]x + c [w]x^2                                   [w]x^2 = w w' - x
-       below it   b [u]x + c (w u' + u w' - slope) + slope (db [w]x + dc [w]x^2)
+       diagonal   1 + k1 [w]x + k2 [w]x^2                                     [w]x^2 = w w' - x
+       below it   k1 [u]x + k2 (w u' + u w' - slope) + slope (dk1 [w]x + dk2 [w]x^2)
 
    with slope = 2 w'u, the derivative of x along u. */
 RBDI_LOCAL void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_real J[6][6]) {
@@ -3004,11 +3029,11 @@ RBDI_LOCAL void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, 
                 shift = even ? u[k] : -u[k];
             }
 
-            J[i][j] = f.b * turn + f.c * ww;
+            J[i][j] = f.k1 * turn + f.k2 * ww;
             if (i == j) J[i][j] = J[i][j] + rbdi_set(RBD_C(1));
             J[i][j] = J[3 + i][3 + j] = J[i][j] * scale;
             J[i][3 + j] = rbdi_zero();
-            J[3 + i][j] = (f.b * shift + f.c * wu + slope * (f.db * turn + f.dc * ww)) * scale;
+            J[3 + i][j] = (f.k1 * shift + f.k2 * wu + slope * (f.dk1 * turn + f.dk2 * ww)) * scale;
         }
 }
 

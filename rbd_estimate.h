@@ -146,13 +146,12 @@ typedef struct rbd_estimate rbd_estimate; /* see rbd_estimate_init */
 
 /* 0 is the default in brackets. */
 typedef struct rbd_estimate_options {
-    rbd_real mass;     /* kg: as heavy as a payload may be [5] */
-    rbd_real reach;    /* m: as far as it may be from the body's origin [0.2] */
-    rbd_real friction; /* N m, N m s/rad: as large as friction and offset may be [100] */
-    rbd_real
-        forgetting; /* what a sample leaves of the weight of those before, above 0.5, at most 1 [0.998] */
-    rbd_real slow;  /* rad/s or m/s: a slower dof counts as at rest, and tells nothing [0.03] */
-    const rbd_real *noise;         /* nv, N m, above 0: standard deviations of tau; NULL: 0.1 of each dof */
+    rbd_real mass;         /* kg: as heavy as a payload may be [5] */
+    rbd_real reach;        /* m: as far as it may be from the body's origin [0.2] */
+    rbd_real friction;     /* N m, N m s/rad: as large as friction and offset may be [100] */
+    rbd_real forgetting;   /* what a sample leaves of the weight of those before, 0.5 to 1 [0.998] */
+    rbd_real slow;         /* rad/s or m/s: a slower dof counts as at rest, and tells nothing [0.03] */
+    const rbd_real *noise; /* nv, N m, above 0: standard deviations of tau; NULL: 0.1 of each dof */
     const unsigned char *left_out; /* nv flags: not 0 where tau is not known, as of a base on unknown
                                       contacts; NULL: none */
 } rbd_estimate_options;
@@ -460,9 +459,7 @@ RBDI_PART rbd_status rbdi_est_check_finite(const rbd_real *x, int n, const char 
 
 /* Whether memory of a model with this shape fits the model. */
 RBDI_PART rbd_status rbdi_est_check_shape(const rbd_model *m, const uint64_t shape[RBDI_SHAPE]) {
-    for (int k = 0; k < RBDI_SHAPE; ++k)
-        if (m->shape[k] != shape[k]) return RBD_ERR_WORK;
-    return RBD_OK;
+    return rbdi_has_shape(m, shape) ? RBD_OK : RBD_ERR_WORK;
 }
 
 RBDI_PART rbd_status rbdi_est_check_friction(const rbd_joint_friction *f, int n, rbd_estimate_fault *fault) {
@@ -1094,8 +1091,23 @@ RBDI_PART void rbdi_est_solve_friction(const rbd_estimate *e, int i, rbd_joint_f
     f->offset = (z[0] - T[1] * f->coulomb - T[2] * f->viscous) / T[0];
 }
 
-/* Standard deviations: T f = z - F p, with p's triangle `load`. Of unknown k with u = T'^-1 e_k the variance
-   is u'u + |load'^-1 F'u|^2. */
+/* The variance of u'F p, |load'^-1 F'u|^2, of a payload p with the triangle `load`. F: of a dof's triangle T. */
+RBDI_PART rbd_real rbdi_est_load_variance(const rbd_real T[RBDI_EST_JOINT_TRIANGLE],
+                                          const rbd_real load[RBDI_EST_LOAD_TRIANGLE],
+                                          const rbd_real u[RBDI_EST_FRICTIONS]) {
+    rbd_real x[RBDI_EST_TEN];
+    for (int j = 0; j < RBDI_EST_TEN; ++j) {
+        x[j] = rbdi_zero();
+        for (int r = 0; r < RBDI_EST_FRICTIONS; ++r)
+            x[j] = x[j] + T[r * RBDI_EST_WHOLE_ROW + RBDI_EST_FRICTIONS + j] * u[r];
+    }
+
+    rbdi_est_solve_lower(load, RBDI_EST_TEN, RBDI_EST_TEN_ROW, x);
+    return rbdi_est_sum_of_squares(x, RBDI_EST_TEN);
+}
+
+/* Standard deviations: T f = z - F p, with p's triangle `load`, which nothing reads of a known payload. Of
+   unknown k with u = T'^-1 e_k the variance is u'u and that of u'F p. */
 RBDI_PART void rbdi_est_friction_deviations(const rbd_estimate *e, int i,
                                             const rbd_real load[RBDI_EST_LOAD_TRIANGLE],
                                             rbd_real deviation[RBDI_EST_FRICTIONS]) {
@@ -1103,18 +1115,13 @@ RBDI_PART void rbdi_est_friction_deviations(const rbd_estimate *e, int i,
     rbdi_est_joint_triangle(e, i, T);
 
     for (int k = 0; k < RBDI_EST_FRICTIONS; ++k) {
-        rbd_real u[RBDI_EST_FRICTIONS], x[RBDI_EST_TEN];
+        rbd_real u[RBDI_EST_FRICTIONS], variance;
         for (int j = 0; j < RBDI_EST_FRICTIONS; ++j) u[j] = rbdi_set(j == k ? RBD_C(1) : RBD_C(0));
         rbdi_est_solve_lower(T, RBDI_EST_FRICTIONS, RBDI_EST_WHOLE_ROW, u);
 
-        for (int j = 0; j < RBDI_EST_TEN; ++j) {
-            x[j] = rbdi_zero();
-            for (int r = 0; r < RBDI_EST_FRICTIONS; ++r)
-                x[j] = x[j] + T[r * RBDI_EST_WHOLE_ROW + RBDI_EST_FRICTIONS + j] * u[r];
-        }
-        rbdi_est_solve_lower(load, RBDI_EST_TEN, RBDI_EST_TEN_ROW, x);
-        deviation[k] = rbdi_sqrt(rbdi_est_sum_of_squares(u, RBDI_EST_FRICTIONS) +
-                                 rbdi_est_sum_of_squares(x, RBDI_EST_TEN));
+        variance = rbdi_est_sum_of_squares(u, RBDI_EST_FRICTIONS);
+        if (!e->known) variance = variance + rbdi_est_load_variance(T, load, u);
+        deviation[k] = rbdi_sqrt(variance);
     }
 }
 
@@ -1258,7 +1265,7 @@ RBDI_LOCAL void rbdi_est_load_deviations(const rbd_estimate *e, const rbd_real T
         for (int j = 0; j < 10; ++j) y[j] = rbdi_set(j == k ? RBD_C(1) : RBD_C(0));
         rbdi_est_pseudo_factors(y, e->scale, c);
         rbdi_est_solve_lower(T, RBDI_EST_TEN, RBDI_EST_TEN_ROW, c);
-        pi[k] = (rbd_const)(e->known ? rbdi_zero() : rbdi_sqrt(rbdi_est_sum_of_squares(c, RBDI_EST_TEN)));
+        pi[k] = (rbd_const)rbdi_sqrt(rbdi_est_sum_of_squares(c, RBDI_EST_TEN));
     }
 }
 
@@ -1267,8 +1274,10 @@ RBDI_API rbd_status rbd_estimate_deviations(const rbd_estimate *e, rbd_const pay
     rbd_real T[RBDI_EST_LOAD_TRIANGLE], deviation[RBDI_EST_FRICTIONS];
     if (!e) return RBD_ERR_NULL;
 
-    rbdi_est_load_triangle(e, T);
-    if (payload) rbdi_est_load_deviations(e, T, payload);
+    for (int k = 0; k < RBDI_EST_TEN && payload && e->known; ++k) payload[k] = RBD_C(0);
+    if (!e->known) rbdi_est_load_triangle(e, T);
+    if (!e->known && payload) rbdi_est_load_deviations(e, T, payload);
+
     for (int i = 0; i < e->nv && friction; ++i) {
         rbdi_est_friction_deviations(e, i, T, deviation);
         friction[i].offset = deviation[0];
@@ -1279,14 +1288,18 @@ RBDI_API rbd_status rbd_estimate_deviations(const rbd_estimate *e, rbd_const pay
 }
 
 /* Forgets the payload, not the friction, which is kept for the payload that the samples so far tell of. */
-RBDI_LOCAL rbd_status rbdi_est_change_load(rbd_estimate *e, int known) {
+RBDI_LOCAL void rbdi_est_forget_load(rbd_estimate *e) {
     rbd_real T[RBDI_EST_LOAD_TRIANGLE];
+    rbdi_est_find_load(e);
+    rbdi_est_load_triangle(e, T);
+    for (int i = 0; i < e->nv; ++i) rbdi_est_forget_load_of(e, i, T);
+}
+
+RBDI_LOCAL rbd_status rbdi_est_change_load(rbd_estimate *e, int known) {
     if (!e) return RBD_ERR_NULL;
     if (e->body < 0) return RBD_ERR_INDEX;
 
-    if (!e->known) rbdi_est_find_load(e);
-    rbdi_est_load_triangle(e, T);
-    for (int i = 0; i < e->nv && !e->known; ++i) rbdi_est_forget_load_of(e, i, T);
+    if (!e->known) rbdi_est_forget_load(e);
     rbdi_est_begin_load(e);
     e->known = known;
     return RBD_OK;

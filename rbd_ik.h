@@ -660,10 +660,11 @@ RBDI_LOCAL void rbdi_ik_subtrees(const rbd_model *m, const rbd_work *w, rbd_real
 }
 
 /* Jacobian of the centre of mass, 3 x nv: a joint moves the centre of mass of its subtree, whose share of the
-   whole is that of its mass. sums: nl x 4, scratch. */
-RBDI_LOCAL void rbdi_ik_com_jacobian(const rbd_model *m, const rbd_work *w, rbd_real *sums, rbd_real *J) {
+   whole is that of its mass. all: kg, the robot's mass. sums: nl x 4, scratch. */
+RBDI_LOCAL void rbdi_ik_com_jacobian(const rbd_model *m, const rbd_work *w, rbd_const all, rbd_real *sums,
+                                     rbd_real *J) {
+    const rbd_real whole = rbdi_set(all);
     const rbdi_v3 o = w->kin[0].X.r;
-    const rbd_real all = rbdi_set(rbd_mass(m));
 
     rbdi_ik_subtrees(m, w, sums);
     rbdi_clear(J, 3 * m->nv);
@@ -675,7 +676,7 @@ RBDI_LOCAL void rbdi_ik_com_jacobian(const rbd_model *m, const rbd_work *w, rbd_
 
         centre = rbdi_add(o, rbdi_scale(RBD_C(1) / mass, rbdi_load_vec(&sums[4 * i + 1], 1)));
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbd_real share = rbdi_ratio(m, l->iv + j) * mass / all;
+            const rbd_real share = rbdi_ratio(m, l->iv + j) * mass / whole;
             const rbdi_v3 v = rbdi_scale(share, rbdi_column(m, w, i, j, centre).v);
             rbd_real *to = &J[rbdi_source(m, l->iv + j)];
             rbdi_store_vec(to, m->nv, rbdi_add(rbdi_load_vec(to, m->nv), v));
@@ -705,7 +706,7 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
         const rbd_real factor = rbdi_ik_factor(t);
 
         if (t->kind == RBD_IK_COM)
-            rbdi_ik_com_jacobian(k->m, k->w, k->mass, &k->columns[3 * k->m->nv]);
+            rbdi_ik_com_jacobian(k->m, k->w, k->all, k->mass, &k->columns[3 * k->m->nv]);
         else
             rbd_jacobian(k->m, k->w, t->body, t->point, RBD_WORLD_AXES, k->columns);
 

@@ -48,24 +48,24 @@
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
      entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
      optimum is exact to the accuracy, not to rounding. Squares of the entries of a row must be normal
-     numbers. result->dual is a share of the largest term: what is 1e8 times weaker (float: 1e3) is less
-     exact. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS or
-     _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
+     numbers. result->dual is a share of the cost's largest term: what is 1e8 times weaker (float: 1e3) is
+     less exact. Rows at an angle of less than 1e-6 (float: 1e-2) may have multipliers too large to be exact:
+     RBD_QP_INACCURATE. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS
+     or _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
      apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
      options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
      RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 
-   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve; DAQP 0.9.1 takes 29.5 kB. Contact forces of
-   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2. Instructions of a Cortex-M4F in float: the mean
-   of 32 problems; DAQP's are like ours, but not the same. Microseconds of a PC in double: the same 400
-   problems, the least mean of some runs, with -march=native (AVX-512) and without:
+   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve. Contact forces of HyQ without a warm
+   start, by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean of 32 problems; microseconds of a
+   PC in double, the mean of 400, with -march=native (AVX-512) and without. More in docs/qp.md:
 
-                                              instructions         native        without
-     12 forces, 28 rows, few limits reached   108,526   43,105    4.1   3.5     4.1   4.7
-     the same, many                           193,063   99,575    9.7   8.2     9.7  10.7
-     18 accelerations too, 46 rows, few       447,307  149,759   20.7  10.5    19.2  14.9
-     the same, many                           499,026  221,909   DAQP's time varies twofold
+                                              instructions    native   without
+     12 forces, 28 rows, few limits reached         43,105       3.5       4.7
+     the same, many                                 99,575       8.2      10.7
+     18 accelerations too, 46 rows, few            149,759      10.5      14.9
+     the same, many                                221,909
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -341,8 +341,9 @@ typedef struct rbd_qp_result {
     int active;      /* rows that hold, equalities too */
     rbd_real primal; /* the largest miss of a row, or distance of one that pushes from its side, as a share of
                         its terms: the side, and its entries times the largest x */
-    rbd_real dual;   /* the largest component of Hx + f + C'lambda, as a share of the largest term */
-    int at;          /* after an error the row, counted with the bounds, or the variable; -1: none */
+    rbd_real dual; /* the largest component of Hx + f + C'lambda, as a share of the largest term of the cost:
+                        of Hx + f, or lambda of a soft row times the row */
+    int at;        /* after an error the row, counted with the bounds, or the variable; -1: none */
     const char *field; /* after an error: of rbd_qp_problem or rbd_qp_options; NULL: none */
 } rbd_qp_result;
 
@@ -835,9 +836,9 @@ RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask 
 /* 1 / D of a pivot, 0 where that would overflow. The pivot is in doubt if it is small beside scale, the
    inertia that it came from: see [tolerances]. */
 RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
-    rbdi_mask none = rbdi_less(D, D);
+    rbdi_mask tiny = rbdi_less(D, D); /* not asked: such a pivot is in doubt as well */
     *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
-    return rbdi_reciprocal(D, RBDI_TINY, &none);
+    return rbdi_reciprocal(D, RBDI_TINY, &tiny);
 }
 #endif
 
@@ -881,7 +882,7 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
 #endif
 
 /* ==== src/qp/layout.h ==== */
-/* Interface: rbdi_qp */
+/* Interface: rbdi_qp, rbdi_qp_shape */
 
 /* ---- method [method] ----
    Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the
@@ -937,6 +938,14 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 
+/* What a caller of rbdi_qp_solve knows of its problem, which spares a search. */
+typedef struct rbdi_qp_shape {
+    int symmetric;   /* whether H is symmetric because of how it was made */
+    int coupled;     /* H is diagonal from this variable on: only its diagonal is read there */
+    int heads;       /* rows of C before this one are 0 from variable `coupled` on */
+    int tails, rest; /* rows of C from `tails` to before `rest` are 0 before it */
+} rbdi_qp_shape;
+
 /* The state of one solution. A row is counted with the bounds. Matrices have no padding. */
 typedef struct rbdi_qp {
     rbd_qp_problem given;
@@ -944,23 +953,26 @@ typedef struct rbdi_qp {
     rbd_qp_result result;
     rbd_real *lambda;  /* of each row */
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
-    int symmetric;     /* whether H is symmetric because of how the caller made it */
+    rbdi_qp_shape shape;
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
+    int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
-    int reflections;   /* equalities, and until there is J the rows of the guess */
+    int reflections;   /* equalities, and until there is J the active rows */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
     rbd_real furthest; /* largest |x_k| so far */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
-    int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
-    int loosen;        /* the number of steps at which accuracy grows next */
+    rbd_real balance; /* the largest component of Hx + f + C'lambda, as a share of the largest of all terms */
+    int doubtful;     /* rows contradict each other by what may be rounding, or sums overflow */
+    int loosen;       /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */
     rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
-    rbd_real *J; /* columns x n: each column of J is a row here */
+    rbd_real
+        *J; /* columns x n: each column of J is a row here; NULL until a row joins or a soft one is there */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
     rbd_real *d, *r;   /* n + soft: see [method] */
@@ -979,8 +991,7 @@ typedef struct rbdi_qp {
     rbd_real *diagonal; /* reflections: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
     rbd_real *unit;     /* of each row: 1 over its length */
-    rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
-    rbd_real *value;    /* of each row: the row times x, as rbdi_qp_verify leaves it; where the scores were */
+    rbd_real *value;    /* of each row: the row times x; of a row that x cannot miss 0 */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
@@ -1009,14 +1020,15 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->L = rbdi_qp_scalars(&at, n * (n + 1) / 2);
     s->R = rbdi_qp_scalars(&at, most * (most + 1) / 2);
 
+    /* these four together have room for a group of vectors */
     s->d = rbdi_qp_scalars(&at, most);
     s->r = rbdi_qp_scalars(&at, most);
+    s->leaving = rbdi_qp_scalars(&at, most);
+    s->z = rbdi_qp_scalars(&at, n);
+
     s->u = rbdi_qp_scalars(&at, most);
     s->length = rbdi_qp_scalars(&at, most);
-    s->leaving = rbdi_qp_scalars(&at, most);
-
     s->x0 = rbdi_qp_scalars(&at, n);
-    s->z = rbdi_qp_scalars(&at, n);
     s->reach = rbdi_qp_scalars(&at, n);
     s->centre = rbdi_qp_scalars(&at, n);
     s->g = rbdi_qp_scalars(&at, n);
@@ -1026,8 +1038,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->diagonal = rbdi_qp_scalars(&at, n);
     s->u_equal = rbdi_qp_scalars(&at, n);
     s->unit = rbdi_qp_scalars(&at, s->all);
-    s->score = rbdi_qp_scalars(&at, s->all);
-    s->value = s->score;
+    s->value = rbdi_qp_scalars(&at, s->all);
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);
@@ -1039,6 +1050,16 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->end = rbdi_qp_ints(&at, n);
 }
 
+/* |x|, and 0 of -0. Compilers have one instruction for it. */
+RBDI_INLINE rbd_real rbdi_qp_abs(rbd_real x) {
+#if RBDI_GNU && RBDI_REAL_KIND == 2
+    return __builtin_fabsf(x);
+#elif RBDI_GNU
+    return __builtin_fabs(x);
+#else
+    return x > 0 ? x : 0 - x;
+#endif
+}
 RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
 
 /* The weight of a row, 0 if it is hard. */
@@ -1059,8 +1080,8 @@ RBDI_ONCE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
 RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
     return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
 }
-/* The diagonal of L, inverted. */
-RBDI_INLINE rbd_real rbdi_qp_pivot(const rbdi_qp *s, int i) { return s->L[i * (i + 3) / 2]; }
+/* Where the diagonal of L stands, inverted: the next one is i + 2 behind it. */
+RBDI_INLINE int rbdi_qp_pivot(int i) { return i * (i + 3) / 2; }
 RBDI_ONCE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
 RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
 
@@ -1126,12 +1147,18 @@ RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
     return ((s0 + s2) + (s1 + s3)) + rest;
 }
 
-/* The sums of a_i t_i and of b_i t_i. */
+/* The sums of a_i t_i and of b_i t_i: where size counts by two calls, with the same order. */
 RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *t, int n, RBDI_T *with_a,
                             RBDI_T *with_b) {
     const RBDI_T zero = {0};
     RBDI_T a0, a1, a2, a3, rest_a, b0, b1, b2, b3, rest_b;
     int i = 0;
+
+    if (!RBDI_FOR_SPEED) {
+        *with_a = rbdi_qp_dot(a, t, n);
+        *with_b = rbdi_qp_dot(b, t, n);
+        return;
+    }
 
     a0 = a1 = a2 = a3 = rest_a = zero;
     b0 = b1 = b2 = b3 = rest_b = zero;
@@ -1234,7 +1261,7 @@ RBDI_INLINE rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b,
     }
     for (; i < n; ++i) {
         rest = rest + a[i] * b[i];
-        rest_size = rest_size + rbdi_abs(a[i] * b[i]);
+        rest_size = rest_size + rbdi_qp_abs(a[i] * b[i]);
     }
     *terms = rbdi_qp_total(sum_size, more_size) + rest_size;
     return rbdi_qp_total(sum, more) + rest;
@@ -1302,12 +1329,18 @@ RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
     return ((s0 + s2) + (s1 + s3)) + rest;
 }
 
-/* The sums of a_i t_i and of b_i t_i. */
+/* The sums of a_i t_i and of b_i t_i: where size counts by two calls, with the same order. */
 RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *t, int n, RBDI_T *with_a,
                             RBDI_T *with_b) {
     const RBDI_T zero = {0};
     RBDI_T a0, a1, a2, a3, rest_a, b0, b1, b2, b3, rest_b;
     int i = 0;
+
+    if (!RBDI_FOR_SPEED) {
+        *with_a = rbdi_qp_dot(a, t, n);
+        *with_b = rbdi_qp_dot(b, t, n);
+        return;
+    }
 
     a0 = a1 = a2 = a3 = rest_a = zero;
     b0 = b1 = b2 = b3 = rest_b = zero;
@@ -1368,14 +1401,14 @@ RBDI_PART rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, i
         s1 = s1 + p1;
         s2 = s2 + p2;
         s3 = s3 + p3;
-        t0 = t0 + rbdi_abs(p0);
-        t1 = t1 + rbdi_abs(p1);
-        t2 = t2 + rbdi_abs(p2);
-        t3 = t3 + rbdi_abs(p3);
+        t0 = t0 + rbdi_qp_abs(p0);
+        t1 = t1 + rbdi_qp_abs(p1);
+        t2 = t2 + rbdi_qp_abs(p2);
+        t3 = t3 + rbdi_qp_abs(p3);
     }
     for (; i < n; ++i) {
         rest = rest + a[i] * b[i];
-        rest_size = rest_size + rbdi_abs(a[i] * b[i]);
+        rest_size = rest_size + rbdi_qp_abs(a[i] * b[i]);
     }
     *terms = ((t0 + t2) + (t1 + t3)) + rest_size;
     return ((s0 + s2) + (s1 + s3)) + rest;
@@ -1396,16 +1429,24 @@ RBDI_ONCE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, 
 /* The largest |a_i|. */
 RBDI_PART rbd_real rbdi_qp_largest(const rbd_real *a, int n) {
     rbd_real largest = 0;
-    for (int i = 0; i < n; ++i) largest = rbdi_qp_larger(largest, rbdi_abs(a[i]));
+    for (int i = 0; i < n; ++i) largest = rbdi_qp_larger(largest, rbdi_qp_abs(a[i]));
     return largest;
 }
 /* a_i becomes the largest of a_i, |x_i| and least. */
 RBDI_PART void rbdi_qp_raise(rbd_real *a, const rbd_real *x, rbd_real least, int n) {
-    for (int i = 0; i < n; ++i) a[i] = rbdi_qp_larger(rbdi_qp_larger(a[i], rbdi_abs(x[i])), least);
+    for (int i = 0; i < n; ++i) a[i] = rbdi_qp_larger(rbdi_qp_larger(a[i], rbdi_qp_abs(x[i])), least);
 }
 
 RBDI_ONCE void rbdi_qp_clear(rbd_real *a, int n) {
-    for (int i = 0; i < n; ++i) a[i] = 0;
+    int i = 0;
+
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
+        a[i] = 0;
+        a[i + 1] = 0;
+        a[i + 2] = 0;
+        a[i + 3] = 0;
+    }
+    for (; i < n; ++i) a[i] = 0;
 }
 RBDI_ONCE void rbdi_qp_copy(const rbd_real *from, rbd_real *to, int n) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
@@ -1430,6 +1471,9 @@ RBDI_ONCE void rbdi_qp_add_row(const rbdi_qp *s, int row, rbd_real k, rbd_real *
    blocks, costs next to nothing. Rows and right sides begin at a multiple of four, so that dot products have
    the same four sums whatever other vectors share a group. */
 
+/* Scratch for a group of vectors, while d, r, leaving and z have no use. */
+#define RBDI_QP_GROUP_OF(s) ((rbdi_qp_group *)(s)->d)
+
 /* How many rows of L have more than their diagonal; and where the rows of H end: row k with the last row of L
    that reaches to k, for H is symmetric. */
 RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
@@ -1444,13 +1488,13 @@ RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
 }
 
 /* Component i of H x, and of |H| |x|: with the sums of all of the row, for its ends are multiples of four. */
-RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
+RBDI_PART rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
     const int from = s->first[i] / 4 * 4;
-    return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);
-}
-RBDI_ONCE rbd_real rbdi_qp_h_times_and_terms(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
-    const int from = s->first[i] / 4 * 4;
-    return rbdi_qp_dot_and_terms(s->given.H + i * s->n + from, x + from, s->last[i] - from, terms);
+    const rbd_real *h = s->given.H + i * s->n;
+
+    if (i < s->coupled) return rbdi_qp_dot_and_terms(h + from, x + from, s->last[i] - from, terms);
+    *terms = rbdi_qp_abs(h[i] * x[i]);
+    return h[i] * x[i];
 }
 
 /* L L' = H + rho 1. Returns the first variable whose pivot is too small, or n. */
@@ -1462,7 +1506,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         const rbd_real diagonal = h[i] + s->rho;
         rbd_real *l = s->L + i * (i + 1) / 2;
         rbd_real pivot;
-        int start = 0;
+        int start = i < s->shape.coupled ? 0 : i;
 
         while (start < i && h[start] == 0) start++;
         if (start < i) start = start / 4 * 4;
@@ -1485,9 +1529,9 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 
 /* Solutions by L and reflections, of one vector; and the same of a group. */
 #define RBDI_T rbd_real
-/* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
-RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    int i = from;
+/* t := L^-1 t, where t is 0 before `from`, a multiple of four, and from `to` on. */
+RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to) {
+    int i = from, at;
 
     for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -1495,7 +1539,27 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
         if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
         t[i] = t[i] * l[i];
     }
-    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    at = rbdi_qp_pivot(i);
+    for (; i < to; ++i) {
+        t[i] = t[i] * s->L[at];
+        at = at + i + 2;
+    }
+}
+
+/* t := L'^-1 t, where t is 0 from `to` on. */
+RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, RBDI_T *t, int to) {
+    int i = to - 1, at = rbdi_qp_pivot(i);
+
+    for (; i >= s->coupled; --i) {
+        t[i] = s->L[at] * t[i];
+        at = at - i - 1;
+    }
+    for (; i >= 0; --i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i];
+        t[i] = l[i] * t[i];
+        if (k < i) rbdi_qp_add(-t[i], l + k, t + k, i - k);
+    }
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
@@ -1543,12 +1607,13 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
 #define rbdi_qp_add rbdi_qp_group_add
 #define rbdi_qp_adds rbdi_qp_group_adds
 #define rbdi_qp_solve_lower rbdi_qp_group_solve_lower
+#define rbdi_qp_solve_upper rbdi_qp_group_solve_upper
 #define rbdi_qp_reflect rbdi_qp_group_reflect
 #define rbdi_qp_reflect_two rbdi_qp_group_reflect_two
 #define rbdi_qp_reflect_back rbdi_qp_group_reflect_back
-/* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
-RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    int i = from;
+/* t := L^-1 t, where t is 0 before `from`, a multiple of four, and from `to` on. */
+RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to) {
+    int i = from, at;
 
     for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -1556,7 +1621,27 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
         if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
         t[i] = t[i] * l[i];
     }
-    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    at = rbdi_qp_pivot(i);
+    for (; i < to; ++i) {
+        t[i] = t[i] * s->L[at];
+        at = at + i + 2;
+    }
+}
+
+/* t := L'^-1 t, where t is 0 from `to` on. */
+RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, RBDI_T *t, int to) {
+    int i = to - 1, at = rbdi_qp_pivot(i);
+
+    for (; i >= s->coupled; --i) {
+        t[i] = s->L[at] * t[i];
+        at = at - i - 1;
+    }
+    for (; i >= 0; --i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i];
+        t[i] = l[i] * t[i];
+        if (k < i) rbdi_qp_add(-t[i], l + k, t + k, i - k);
+    }
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
@@ -1601,6 +1686,7 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
 #undef rbdi_qp_add
 #undef rbdi_qp_adds
 #undef rbdi_qp_solve_lower
+#undef rbdi_qp_solve_upper
 #undef rbdi_qp_reflect
 #undef rbdi_qp_reflect_two
 #undef rbdi_qp_reflect_back
@@ -1608,22 +1694,8 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
 #define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
 #define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
 #define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
-#define rbdi_qp_group_add rbdi_qp_add
+#define rbdi_qp_group_solve_upper rbdi_qp_solve_upper
 #endif
-
-/* t := L'^-1 t */
-RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
-    int i = s->n - 1;
-
-    for (; i >= s->coupled; --i) t[i] = t[i] * rbdi_qp_pivot(s, i);
-    for (; i >= 0; --i) {
-        const rbd_real *l = s->L + i * (i + 1) / 2;
-        const int k = s->first[i];
-        if (t[i] == 0) continue;
-        t[i] = t[i] * l[i];
-        rbdi_qp_add(-t[i], l + k, t + k, i - k);
-    }
-}
 
 /* t := L^-1 row' */
 RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
@@ -1632,14 +1704,20 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
         t[row] = 1;
     else
         rbdi_qp_copy(rbdi_qp_c(s, row), t + s->from[row], s->to[row] - s->from[row]);
-    rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4);
+    rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4, s->to[row]);
 }
 
-/* t := Q't, two reflections at a time */
-RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
-    const int k = s->equalities;
+/* t := Q'L^-1 t, of the first k reflections, two at a time */
+RBDI_PART void rbdi_qp_forth(const rbdi_qp *s, int k, rbd_real *t) {
+    rbdi_qp_solve_lower(s, t, 0, s->n);
     for (int e = 0; e + 1 < k; e += 2) rbdi_qp_reflect_two(s, e, 0, t);
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
+}
+
+/* t := L'^-1 Q t, of the first k reflections */
+RBDI_PART void rbdi_qp_back(const rbdi_qp *s, int k, rbd_real *t) {
+    rbdi_qp_reflect_back(s, k, t);
+    rbdi_qp_solve_upper(s, t, s->n);
 }
 
 /* Reflection e = s->reflections of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
@@ -1647,20 +1725,23 @@ RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
    any row. Sparse rows first make the vectors short. */
 RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     const int n = s->n, e = s->reflections;
-    const rbd_real gone = rbdi_qp_dot(v, v, e), rest = rbdi_qp_dot(v + e, v + e, n - e);
-    rbd_real length, onto;
+    rbd_real gone, rest, length, onto;
+    int end = n;
+
+    while (end > e + 1 && v[end - 1] == 0) end--;
+    gone = rbdi_qp_dot(v, v, e);
+    rest = rbdi_qp_dot(v + e, v + e, end - e);
     if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * (gone + rest)) return 0;
 
     /* v - (-+|v|) on axis e: no difference of like numbers. */
     length = rbdi_sqrt(rest);
     onto = v[e] > 0 ? -length : length;
-    s->beta[e] = 1 / (length * (length + rbdi_abs(v[e])));
+    s->beta[e] = 1 / (length * (length + rbdi_qp_abs(v[e])));
     s->diagonal[e] = 1 / onto;
     v[e] = v[e] - onto;
 
-    s->end[e] = n;
-    while (s->end[e] > e + 1 && v[s->end[e] - 1] == 0) s->end[e]--;
-    if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, n - e);
+    s->end[e] = end;
+    if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, end - e);
     s->reflections = e + 1;
 
     if (rbdi_qp_is_equality(s, row)) {
@@ -1676,20 +1757,21 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
 /* Reflects rows (Householder 1958), a group of them: L^-1 row' of each goes onto an axis. */
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     const int n = s->n;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
-    int from = n;
+    rbdi_qp_group *t = RBDI_QP_GROUP_OF(s);
+    int from = n, to = 0;
 
     rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
     for (int lane = 0; lane < lanes; ++lane) {
-        const int row = rows[lane], begin = s->from[row];
+        const int row = rows[lane], begin = s->from[row], end = s->to[row];
         const rbd_real one = 1, *c = row < s->given.bounds ? &one : rbdi_qp_c(s, row);
-        rbd_real *to = (rbd_real *)t + begin * RBDI_QP_GROUP + lane;
+        rbd_real *own = (rbd_real *)t + begin * RBDI_QP_GROUP + lane;
 
         from = begin < from ? begin : from;
-        for (int k = 0; k < s->to[row] - begin; ++k) to[k * RBDI_QP_GROUP] = c[k];
+        to = end > to ? end : to;
+        for (int k = 0; k < end - begin; ++k) own[k * RBDI_QP_GROUP] = c[k];
     }
     from = from / 4 * 4;
-    rbdi_qp_group_solve_lower(s, t, from);
+    rbdi_qp_group_solve_lower(s, t, from, to);
     for (int e = 0; e + 1 < s->reflections; e += 2)
         if (s->end[e] > from || s->end[e + 1] > from) rbdi_qp_group_reflect_two(s, e, 0, t);
 
@@ -1710,7 +1792,7 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
 
 /* Whether a row can hold at the side of the guess. */
 RBDI_PART int rbdi_qp_can_hold(const rbdi_qp *s, int row) {
-    return s->side[row] && s->from[row] < s->to[row] && rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
+    return s->side[row] && s->from[row] < s->to[row] && rbdi_qp_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
 }
 
 /* Eliminates the equalities, or then the rows of the guess. Soft rows have no part in it. */
@@ -1718,6 +1800,7 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     int rows[RBDI_QP_GROUP], lanes = 0;
 
     for (int row = 0; row < s->all; ++row) {
+        if (guess && !s->side[row]) continue;
         if (rbdi_qp_is_equality(s, row) == guess || rbdi_qp_weight(s, row) > 0) continue;
         if (guess && !rbdi_qp_can_hold(s, row)) {
             s->side[row] = 0;
@@ -1729,19 +1812,6 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
         lanes = 0;
     }
     if (lanes) rbdi_qp_eliminate(s, rows, lanes);
-}
-
-/* t := L'^-1 t of a group, which is 0 behind component `to`. */
-RBDI_PART void rbdi_qp_group_solve_upper(const rbdi_qp *s, rbdi_qp_group *t, int to) {
-    int i = to - 1;
-
-    for (; i >= s->coupled; --i) t[i] = rbdi_qp_pivot(s, i) * t[i];
-    for (; i >= 0; --i) {
-        const rbd_real *l = s->L + i * (i + 1) / 2;
-        const int k = s->first[i];
-        t[i] = l[i] * t[i];
-        if (k < i) rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
-    }
 }
 
 /* R of the rows of the guess: their reflections' diagonals, and what stands above. */
@@ -1760,14 +1830,14 @@ RBDI_PART void rbdi_qp_take_guess(rbdi_qp *s) {
     }
 }
 
-/* J = L'^-1 Q [0; 1], the last columns first: they come to lie where the vectors of the guess were, which the
-   columns before have no use for. */
+/* J = L'^-1 Q [0; 1], if it is not there yet, the last columns first: they come to lie where the vectors of
+   the guess were, which the columns before have no use for. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
+    rbdi_qp_group *t = RBDI_QP_GROUP_OF(s);
+    if (s->J) return;
 
     s->J = s->V + k * n;
-    s->columns = n - k;
     for (int j = (s->columns - 1) / RBDI_QP_GROUP * RBDI_QP_GROUP; j >= 0; j -= RBDI_QP_GROUP) {
         const int left = s->columns - j, lanes = left < RBDI_QP_GROUP ? left : RBDI_QP_GROUP;
         const int end = k + j + lanes, count = end < s->reflections ? end : s->reflections;
@@ -1783,24 +1853,49 @@ RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     s->reflections = k;
 }
 
-/* t := L'^-1 Q (y; t2), R' y = b - A x, for the equalities A x = b; x NULL: 0. t2: t from there on. */
-RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_real *t) {
+/* d = J'y; y is lost. Without J it goes by the factors. */
+RBDI_PART void rbdi_qp_project(const rbdi_qp *s, rbd_real *y, rbd_real *d) {
+    if (s->J) {
+        for (int j = 0; j < s->columns; ++j) d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), y, s->n);
+        return;
+    }
+    rbdi_qp_forth(s, s->reflections, y);
+    rbdi_qp_copy(y + s->equalities, d, s->columns);
+}
+
+/* y += J d of the columns from `from` to before `to`, two at a time; without J by the factors, with t as
+   scratch. */
+RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int from, int to, const rbd_real *d, rbd_real *y) {
+    int j = from;
+
+    if (!s->J) {
+        rbdi_qp_clear(s->t, s->n);
+        rbdi_qp_copy(d + from, s->t + s->equalities + from, to - from);
+        rbdi_qp_back(s, s->reflections, s->t);
+        rbdi_qp_add(1, s->t, y, s->n);
+        return;
+    }
+    for (; j + 2 <= to; j += 2) rbdi_qp_adds(d[j], rbdi_qp_j(s, j), d[j + 1], rbdi_qp_j(s, j + 1), y, s->n);
+    if (j < to) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
+}
+
+/* t := L'^-1 Q (y; t2), R' y = b, for the equalities A x = b; `further`: R' y = b - A x, from the values of these
+   rows. t2: t from there on. */
+RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, int further, rbd_real *t) {
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
         rbd_real b = s->given.upper[row];
-        if (x) b = b - rbdi_qp_row_times(s, row, x);
+        if (further) b = b - s->value[row];
         t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
-    rbdi_qp_reflect_back(s, s->equalities, t);
-    rbdi_qp_solve_upper(s, t);
+    rbdi_qp_back(s, s->equalities, t);
 }
 
 /* Multipliers u_equal of the equalities that balance y best; y += A' u_equal. t: scratch, n. */
 RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
     if (!s->equalities) return;
     rbdi_qp_copy(y, t, s->n);
-    rbdi_qp_solve_lower(s, t, 0);
-    rbdi_qp_reflect_all(s, t);
+    rbdi_qp_forth(s, s->equalities, t);
 
     /* R u = -t */
     for (int e = s->equalities - 1; e >= 0; --e) {
@@ -1821,6 +1916,7 @@ RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
 RBDI_PART rbd_real rbdi_qp_enter(rbdi_qp *s, int row, int side) {
     const rbd_real weight = rbdi_qp_weight(s, row), sign = rbdi_qp_sign(side);
 
+    rbdi_qp_basis(s);
     if (row < s->given.bounds) {
         for (int j = 0; j < s->columns; ++j) s->d[j] = sign * rbdi_qp_j(s, j)[row];
     } else {
@@ -1850,17 +1946,10 @@ RBDI_INLINE int rbdi_qp_depends(const rbdi_qp *s, int row, rbd_real square) {
     return !(rbdi_qp_weight(s, row) > 0) && square <= least * least;
 }
 
-/* y += J d of the columns from j on, two at a time */
-RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int j, const rbd_real *d, rbd_real *y) {
-    for (; j + 2 <= s->columns; j += 2)
-        rbdi_qp_adds(d[j], rbdi_qp_j(s, j), d[j + 1], rbdi_qp_j(s, j + 1), y, s->n);
-    if (j < s->columns) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
-}
-
 /* z = J2 d2 */
 RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     rbdi_qp_clear(s->z, s->n);
-    rbdi_qp_add_columns(s, s->q, s->d, s->z);
+    rbdi_qp_add_columns(s, s->q, s->columns, s->d, s->z);
 }
 
 /* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first
@@ -1874,7 +1963,7 @@ RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real 
 
     if (q < s->columns - 1) {
         const rbd_real length = rbdi_sqrt(square);
-        const rbd_real scale = 1 / (length * (length + rbdi_abs(a)));
+        const rbd_real scale = 1 / (length * (length + rbdi_qp_abs(a)));
         const rbd_real onto = a > 0 ? -length : length;
 
         for (int k = 0; k < n; ++k) s->z[k] = scale * (s->z[k] - onto * J_q[k]);
@@ -1907,15 +1996,13 @@ RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
     if (q >= last || !(square > 0)) return;
 
     const rbd_real length = rbdi_sqrt(square);
-    const rbd_real scale = 1 / (length * (length + rbdi_abs(slack[last])));
-    rbd_real along = 0;
+    const rbd_real scale = 1 / (length * (length + rbdi_qp_abs(slack[last])));
 
     slack[last] = slack[last] + (slack[last] > 0 ? length : -length);
+    const rbd_real along = rbdi_qp_dot(slack + q, s->d + q, last + 1 - q);
+
     rbdi_qp_clear(s->z, n);
-    for (int j = q; j <= last; ++j) {
-        rbdi_qp_add(slack[j], rbdi_qp_j(s, j), s->z, n);
-        along = along + slack[j] * s->d[j];
-    }
+    rbdi_qp_add_columns(s, q, last + 1, slack, s->z);
     for (int j = q; j < last; ++j) {
         rbdi_qp_add(-scale * slack[j], s->z, rbdi_qp_j(s, j), n);
         s->d[j] = s->d[j] - scale * along * slack[j];
@@ -1975,17 +2062,23 @@ RBDI_PART void rbdi_qp_solve_r_transposed(const rbdi_qp *s, rbd_real *y) {
     }
 }
 
-/* x and u of the active rows: R' y = b - N'x0, x = x0 + J1 y, u = R^-1 y. */
-RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
+/* r = y and u of the active rows: R' y = b - N'x0, u = R^-1 y. */
+RBDI_PART void rbdi_qp_push(rbdi_qp *s) {
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         const rbd_real missed = rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, s->x0);
-        s->u[j] = rbdi_qp_sign(s->side[row]) * missed;
+        s->r[j] = rbdi_qp_sign(s->side[row]) * missed;
     }
-    rbdi_qp_solve_r_transposed(s, s->u);
-    rbdi_qp_copy(s->x0, x, s->n);
-    for (int j = 0; j < s->q; ++j) rbdi_qp_add(s->u[j], rbdi_qp_j(s, j), x, s->n);
+    rbdi_qp_solve_r_transposed(s, s->r);
+    rbdi_qp_copy(s->r, s->u, s->q);
     rbdi_qp_solve_r(s, s->u);
+}
+
+/* x and u of the active rows: x = x0 + J1 y. */
+RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
+    rbdi_qp_push(s);
+    rbdi_qp_copy(s->x0, x, s->n);
+    if (s->q) rbdi_qp_add_columns(s, 0, s->q, s->r, x);
 }
 
 /* The scale of a row's miss: its side, and its terms with the largest x so far. */
@@ -1993,10 +2086,10 @@ RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
     rbd_real terms;
     const rbd_real *c;
 
-    if (row < s->given.bounds) return rbdi_abs(side) + s->reach[row];
+    if (row < s->given.bounds) return rbdi_qp_abs(side) + s->reach[row];
     c = rbdi_qp_c(s, row);
     rbdi_qp_dot_and_terms(c, s->reach + s->from[row], s->to[row] - s->from[row], &terms);
-    return rbdi_abs(side) + terms;
+    return rbdi_qp_abs(side) + terms;
 }
 
 /* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft
@@ -2011,13 +2104,26 @@ RBDI_PART rbd_real rbdi_qp_slight(const rbdi_qp *s, int j, rbd_real share, rbd_r
     return of_terms < slight ? of_terms : slight;
 }
 
+/* Active row l leaves before there is J: the reflections of the rows behind it are made anew. */
+RBDI_PART void rbdi_qp_forget(rbdi_qp *s, int l) {
+    const int end = s->q;
+
+    s->side[s->active[l]] = 0;
+    s->q = l;
+    s->reflections = s->equalities + l;
+    for (int j = l + 1; j < end; j += RBDI_QP_GROUP)
+        rbdi_qp_eliminate(s, s->active + j, end - j < RBDI_QP_GROUP ? end - j : RBDI_QP_GROUP);
+    rbdi_qp_take_guess(s);
+    s->result.steps++;
+}
+
 /* The active inequality that pulls most, u < 0 by more than what share may be rounding, leaves. Returns
    whether one does. */
 RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
     rbd_real least = 0, largest = 0;
     int worst = -1;
 
-    for (int j = 0; j < s->q; ++j) largest = rbdi_qp_larger(largest, rbdi_abs(s->u[j] * s->length[j]));
+    for (int j = 0; j < s->q; ++j) largest = rbdi_qp_larger(largest, rbdi_qp_abs(s->u[j] * s->length[j]));
     for (int j = 0; j < s->q; ++j) {
         const rbd_real u = s->u[j] * s->length[j];
         if (!(u < least) || rbdi_qp_is_equality(s, s->active[j])) continue;
@@ -2026,7 +2132,10 @@ RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
         worst = j;
     }
     if (worst < 0) return 0;
-    rbdi_qp_leave(s, worst);
+    if (s->J)
+        rbdi_qp_leave(s, worst);
+    else
+        rbdi_qp_forget(s, worst);
     return 1;
 }
 
@@ -2055,9 +2164,8 @@ RBDI_INLINE rbd_real rbdi_qp_above(const rbdi_qp *s, int row, rbd_real value) {
 }
 
 /* Whether x misses a row by more than rounding explains, and by how much. */
-RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, const rbd_real *x, rbd_real accuracy,
-                             rbdi_qp_miss *miss) {
-    const rbd_real value = rbdi_qp_row_times(s, row, x);
+RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, rbd_real accuracy, rbdi_qp_miss *miss) {
+    const rbd_real value = s->value[row];
     const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
     const rbd_real by = rbdi_qp_larger(below, above);
     const rbd_real side = below > above ? s->given.lower[row] : s->given.upper[row];
@@ -2069,37 +2177,43 @@ RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, const rbd_real *x, rbd_r
     return 1;
 }
 
-/* score = by how much x misses each watched row, in lengths of the row. Returns the largest, or 0. */
-RBDI_PART rbd_real rbdi_qp_scores(rbdi_qp *s, const rbd_real *x) {
-    rbd_real most = 0;
-
+/* Values at x of the watched rows; without `all` of those that are not active, for those of the others come
+   with the residuals. */
+RBDI_PART void rbdi_qp_evaluate(rbdi_qp *s, const rbd_real *x, int all) {
     for (int i = 0; i < s->watches; ++i) {
         const int row = s->watched[i];
-        rbd_real value;
-
-        s->score[i] = 0;
-        if (s->side[row]) continue;
-        value = rbdi_qp_row_times(s, row, x);
-        s->score[i] = s->unit[row] * rbdi_qp_larger(s->given.lower[row] - value, value - s->given.upper[row]);
-        most = rbdi_qp_larger(s->score[i], most);
+        if (all || !s->side[row]) s->value[row] = rbdi_qp_row_times(s, row, x);
     }
-    return most;
+}
+
+/* By how much x misses a row, in lengths of it; 0 of an active one. */
+RBDI_INLINE rbd_real rbdi_qp_score(const rbdi_qp *s, int row) {
+    const rbd_real value = s->value[row];
+    if (s->side[row]) return 0;
+    return s->unit[row] * rbdi_qp_larger(s->given.lower[row] - value, value - s->given.upper[row]);
 }
 
 /* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there
    is none. */
-RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
+RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(const rbdi_qp *s, rbd_real accuracy) {
     rbdi_qp_miss worst = {-1, 0, 0};
-    rbd_real most = rbdi_qp_scores(s, x);
-    int first = 0;
-    if (!(most > 0)) return worst;
+    rbd_real most = 0;
+    int first = -1;
 
-    while (s->score[first] < most) ++first;
-    if (rbdi_qp_misses(s, s->watched[first], x, accuracy, &worst)) return worst;
+    for (int i = 0; i < s->watches; ++i) {
+        const rbd_real score = rbdi_qp_score(s, s->watched[i]);
+        if (!(score > most)) continue;
+        most = score;
+        first = s->watched[i];
+    }
+    if (first < 0 || rbdi_qp_misses(s, first, accuracy, &worst)) return worst;
 
     most = 0;
-    for (int i = 0; i < s->watches; ++i)
-        if (s->score[i] > most && rbdi_qp_misses(s, s->watched[i], x, accuracy, &worst)) most = s->score[i];
+    for (int i = 0; i < s->watches; ++i) {
+        const int row = s->watched[i];
+        const rbd_real score = rbdi_qp_score(s, row);
+        if (score > most && rbdi_qp_misses(s, row, accuracy, &worst)) most = score;
+    }
     return worst;
 }
 
@@ -2123,7 +2237,7 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
 RBDI_PART int rbdi_qp_gives_way(const rbdi_qp *s) {
     for (int j = 0; j < s->q; ++j)
         if (rbdi_qp_weight(s, s->active[j]) > 0 &&
-            rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            rbdi_qp_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
             return 1;
     return 0;
 }
@@ -2190,34 +2304,61 @@ RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss mi
 #define RBDI_QP_REFINED (16 * RBDI_EPS) /* shares below this are rounding */
 #define RBDI_QP_REFINEMENTS 2
 
-/* t = r1 without the equalities' part, r = r2. Returns the largest |r2|, as a share of its row's length;
-   *size: the largest term of r1. */
-RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size) {
-    const int n = s->n;
+/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
+RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
+    rbd_real largest = 0, terms;
+
+    for (int k = 0; k < s->n; ++k) {
+        const rbd_real f = s->given.f[k];
+        y[k] = rbdi_qp_h_times(s, k, x, &terms) + f;
+        largest = rbdi_qp_larger(largest, rbdi_qp_abs(f) + terms);
+    }
+    return largest;
+}
+
+/* t = r1 without the equalities' part, r = r2, and the values of these rows at x. Returns the largest |r2|, as
+   a share of its row's length; raises *size to the largest term of the cost in r1, *push to that of all rows. */
+RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size, rbd_real *push) {
     rbd_real missed = 0;
 
-    *size = 0;
-    for (int i = 0; i < n; ++i) {
-        const rbd_real h = rbdi_qp_h_times(s, i, x);
-        s->t[i] = -(h + s->rho * x[i] + s->g[i]);
-        *size = rbdi_qp_larger(*size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->g[i])));
-    }
+    *size = rbdi_qp_larger(*size, rbdi_qp_gradient(s, x, s->t));
+    for (int i = 0; i < s->n; ++i) s->t[i] = s->rho * (s->centre[i] - x[i]) - s->t[i];
+
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         const rbd_real sign = rbdi_qp_sign(s->side[row]), weight = rbdi_qp_weight(s, row);
 
-        s->r[j] = sign * (rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, x));
+        s->value[row] = rbdi_qp_row_times(s, row, x);
+        s->r[j] = sign * (rbdi_qp_side(s, row) - s->value[row]);
         if (weight > 0) s->r[j] = s->r[j] - s->u[j] / weight;
-        missed = rbdi_qp_larger(missed, rbdi_abs(s->r[j]) * s->unit[row]);
-        *size = rbdi_qp_larger(*size, rbdi_abs(s->u[j]) / s->unit[row]);
+        missed = rbdi_qp_larger(missed, rbdi_qp_abs(s->r[j]) * s->unit[row]);
+        const rbd_real term = rbdi_qp_abs(s->u[j]) / s->unit[row];
+        if (weight > 0) *size = rbdi_qp_larger(*size, term);
+        *push = rbdi_qp_larger(*push, term);
         rbdi_qp_add_row(s, row, sign * s->u[j], s->t);
     }
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
-        const rbd_real by = rbdi_qp_row_times(s, row, x) - s->given.upper[row];
-        missed = rbdi_qp_larger(missed, rbdi_abs(by) * s->unit[row]);
+        s->value[row] = rbdi_qp_row_times(s, row, x);
+        missed = rbdi_qp_larger(missed, rbdi_qp_abs(s->value[row] - s->given.upper[row]) * s->unit[row]);
     }
     return missed;
+}
+
+/* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of `size`, the largest
+   term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row, whose largest is `push`: where rows
+   nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of the
+   gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
+RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size, rbd_real push) {
+    const rbd_real larger = rbdi_qp_larger(size, push);
+    rbd_real worst = rbdi_qp_largest(s->t, s->n), sum = 0;
+
+    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
+    worst = worst + (sum - sum);
+    s->balance = larger > 0 ? worst / larger : worst;
+
+    worst = worst + RBDI_EPS * (larger - size);
+    s->result.dual = size > 0 ? worst / size : worst;
 }
 
 /* One correction, from t = r1 and r = r2. */
@@ -2225,14 +2366,14 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     const int n = s->n;
 
     rbdi_qp_clear(s->z, n);
-    if (s->equalities) rbdi_qp_onto_equalities(s, x, s->z);
+    if (s->equalities) rbdi_qp_onto_equalities(s, 1, s->z);
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         s->r[j] = s->r[j] - rbdi_qp_sign(s->side[row]) * rbdi_qp_row_times(s, row, s->z);
     }
 
     /* d = (y1; y2), r = R^-1 (y1 - J1'r1) */
-    for (int j = 0; j < s->columns; ++j) s->d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), s->t, n);
+    rbdi_qp_project(s, s->t, s->d);
     rbdi_qp_solve_r_transposed(s, s->r);
     for (int j = 0; j < s->q; ++j) {
         const rbd_real y = s->r[j];
@@ -2242,24 +2383,25 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->r);
 
     for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
-    rbdi_qp_add_columns(s, 0, s->d, x);
+    rbdi_qp_add_columns(s, 0, s->columns, s->d, x);
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 
 /* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding of x,
-   which may be far less than it was on the way. */
-RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
+   which may be far less than it was on the way. Returns whether x has changed. */
+RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
     for (int corrections = 0;; ++corrections) {
-        rbd_real size, worst;
-        const rbd_real missed = rbdi_qp_residuals(s, x, &size);
         const rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_CANCELLED * s->furthest);
+        rbd_real size = s->rho * furthest, push = 0;
+        const rbd_real missed = rbdi_qp_residuals(s, x, &size, &push);
 
         rbdi_qp_balance(s, s->t, s->z);
-        worst = rbdi_qp_largest(s->t, s->n);
-        s->result.dual = size > 0 ? worst / size : worst;
+        for (int e = 0; e < s->equalities; ++e)
+            push = rbdi_qp_larger(push, rbdi_qp_abs(s->u_equal[e]) / s->unit[s->equality[e]]);
+        rbdi_qp_judge(s, size, push);
 
-        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return;
-        if (corrections == RBDI_QP_REFINEMENTS) return;
+        if (s->balance <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return corrections > 0;
+        if (corrections == RBDI_QP_REFINEMENTS) return 1;
         rbdi_qp_correct(s, x);
     }
 }
@@ -2274,9 +2416,8 @@ RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
 /* x0: optimum on the equalities alone. */
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
-    rbdi_qp_solve_lower(s, s->x0, 0);
-    rbdi_qp_reflect_all(s, s->x0);
-    rbdi_qp_onto_equalities(s, NULL, s->x0);
+    rbdi_qp_forth(s, s->equalities, s->x0);
+    rbdi_qp_onto_equalities(s, 0, s->x0);
 }
 
 /* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on
@@ -2310,14 +2451,14 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
     s->lambda[miss.row] = (rbd_real)miss.side;
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
-        if (rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+        if (rbdi_qp_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
             s->lambda[row] = s->side[row] > 0 ? -s->r[j] : s->r[j];
     }
     rbdi_qp_clear(s->t, s->n);
     for (int row = 0; row < s->all; ++row) {
         if (s->lambda[row] == 0) continue;
         rbdi_qp_add_row(s, row, -s->lambda[row], s->t);
-        largest = rbdi_qp_larger(largest, rbdi_abs(s->lambda[row]) / s->unit[row]);
+        largest = rbdi_qp_larger(largest, rbdi_qp_abs(s->lambda[row]) / s->unit[row]);
     }
     rbdi_qp_balance(s, s->t, s->z);
     for (int e = 0; e < s->equalities; ++e) s->lambda[s->equality[e]] = -s->u_equal[e];
@@ -2328,11 +2469,11 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
         if (lambda == 0) continue;
         if (rbdi_qp_weight(s, row) > 0) return 0; /* it gives way */
         sum = sum + lambda * side;
-        terms = terms + rbdi_abs(lambda * side);
+        terms = terms + rbdi_qp_abs(lambda * side);
     }
     for (int k = 0; k < s->n; ++k) {
-        if (!(rbdi_abs(s->t[k]) <= 10 * s->options.accuracy * largest)) return 0;
-        left = left + rbdi_abs(s->t[k]) * s->furthest;
+        if (!(rbdi_qp_abs(s->t[k]) <= 10 * s->options.accuracy * largest)) return 0;
+        left = left + rbdi_qp_abs(s->t[k]) * s->furthest;
     }
     return sum < -(10 * s->options.accuracy * terms + left);
 }
@@ -2342,23 +2483,27 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     int refined = 0;
 
     rbdi_qp_reached(s, s->x0);
+    rbdi_qp_push(s);
+    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_push(s);
     rbdi_qp_point(s, x);
-    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
+    rbdi_qp_evaluate(s, x, 0);
 
     for (;;) {
         rbd_qp_status status;
-        *miss = rbdi_qp_most_missed(s, x, s->accuracy);
+        *miss = rbdi_qp_most_missed(s, s->accuracy);
         if (miss->row < 0 && refined) return RBD_QP_OK;
         if (s->result.steps >= s->options.steps) return RBD_QP_ITERATIONS;
 
         if (miss->row < 0) {
-            rbdi_qp_refine(s, x);
+            int moved = rbdi_qp_refine(s, x);
             refined = 1;
             if (rbdi_qp_release(s, s->accuracy)) {
                 rbdi_qp_point(s, x);
                 refined = 0;
+                moved = 1;
             }
+            if (moved) rbdi_qp_evaluate(s, x, 0);
             /* x is exact now: less of what has cancelled before still counts. */
             rbdi_qp_clear(s->reach, s->n);
             rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
@@ -2371,6 +2516,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         }
         status = rbdi_qp_take_in(s, x, *miss);
         rbdi_qp_reached(s, x);
+        rbdi_qp_evaluate(s, x, 0);
         refined = 0;
         if (status == RBD_QP_INFEASIBLE && !rbdi_qp_proven(s, *miss)) {
             if (s->accuracy > RBDI_QP_HOPELESS) return RBD_QP_INACCURATE;
@@ -2386,16 +2532,16 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
 /* z = x, or x - from; whether the value falls on this way, and H does not bend it, but for rounding. */
 RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *from) {
-    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
+    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding, terms;
 
     for (int k = 0; k < s->n; ++k) {
         s->z[k] = from ? x[k] - from[k] : x[k];
         down = down + s->given.f[k] * s->z[k];
-        length = rbdi_qp_larger(length, rbdi_abs(s->z[k]));
+        length = rbdi_qp_larger(length, rbdi_qp_abs(s->z[k]));
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
-        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_h_times(s, k, s->z)));
+        curvature = rbdi_qp_larger(curvature, rbdi_qp_abs(rbdi_qp_h_times(s, k, s->z, &terms)));
     rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
     return down < 0 && curvature <= rounding;
 }
@@ -2415,22 +2561,10 @@ RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
     for (int row = 0; row < s->all; ++row) {
         const rbd_real by = rbdi_qp_row_times(s, row, s->z);
         const rbd_real side = by < 0 ? s->given.lower[row] : s->given.upper[row];
-        if (rbdi_abs(side) < RBDI_QP_NONE && rbdi_abs(by) > s->options.accuracy / s->unit[row] * length)
+        if (rbdi_qp_abs(side) < RBDI_QP_NONE && rbdi_qp_abs(by) > s->options.accuracy / s->unit[row] * length)
             return 0;
     }
     return 1;
-}
-
-/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
-RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
-    rbd_real largest = 0, terms;
-
-    for (int k = 0; k < s->n; ++k) {
-        const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
-        largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
-    }
-    return largest;
 }
 
 /* Rounds until x stays where it is: rho |x - centre| within the accuracy of H x and f. On a straight way each
@@ -2449,8 +2583,8 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
 
         size = rbdi_qp_gradient(s, x, s->t);
         for (int k = 0; k < s->n; ++k) {
-            moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
-            furthest = rbdi_qp_larger(furthest, s->rho * rbdi_abs(x[k]));
+            moved = rbdi_qp_larger(moved, s->rho * rbdi_qp_abs(x[k] - s->centre[k]));
+            furthest = rbdi_qp_larger(furthest, s->rho * rbdi_qp_abs(x[k]));
         }
         if (moved <= RBDI_QP_ENOUGH * s->options.accuracy * size ||
             (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
@@ -2486,7 +2620,7 @@ RBDI_PART rbd_qp_status rbdi_qp_refuse(rbdi_qp *s, rbd_qp_status status, int at,
     return status;
 }
 
-RBDI_ONCE int rbdi_qp_finite(rbd_real x) { return rbdi_abs(x) < RBDI_QP_NONE; }
+RBDI_ONCE int rbdi_qp_finite(rbd_real x) { return rbdi_qp_abs(x) < RBDI_QP_NONE; }
 
 /* Whether numbers, pointers and options make sense; completes the options. */
 RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {
@@ -2540,8 +2674,8 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = own;
-        for (int j = 0; j < i && !s->symmetric; ++j) {
-            const rbd_real apart = rbdi_abs(H[i * n + j] - H[j * n + i]);
+        for (int j = 0; j < i && !s->shape.symmetric; ++j) {
+            const rbd_real apart = rbdi_qp_abs(H[i * n + j] - H[j * n + i]);
             if (!(apart <= own) && !(apart <= own + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
         }
     }
@@ -2553,7 +2687,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_pairs(rbdi_qp *s) {
     const rbd_real *H = s->given.H;
     const int n = s->n;
 
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < s->shape.coupled; ++i) {
         for (int j = 0; j < i; ++j) {
             const rbd_real minor = H[i * n + i] * H[j * n + j];
             if (!(H[i * n + j] * H[i * n + j] <= minor + RBDI_QP_ASYMMETRY * minor))
@@ -2569,6 +2703,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
     const int n = s->n;
 
     s->watches = 0;
+    s->zeros = 0;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real lower = p->lower[row], upper = p->upper[row];
         int from = row, to = row + 1;
@@ -2577,9 +2712,10 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         if (lower != lower || lower >= RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "lower");
         if (upper != upper || upper <= -RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "upper");
         if (row >= p->bounds) {
-            const rbd_real *c = p->C + (row - p->bounds) * n;
-            to = n;
-            from = 0;
+            const int of_c = row - p->bounds;
+            const rbd_real *c = p->C + of_c * n;
+            to = of_c < s->shape.heads ? s->shape.coupled : n;
+            from = of_c >= s->shape.tails && of_c < s->shape.rest ? s->shape.coupled : 0;
             while (to > from && c[to - 1] == 0) --to;
             while (from < to && c[from] == 0) ++from;
             square = rbdi_qp_dot(c + from, c + from, to - from);
@@ -2587,6 +2723,8 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         }
         s->from[row] = from;
         s->to[row] = to;
+        s->value[row] = 0;
+        s->zeros += from == to;
         s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
@@ -2603,76 +2741,98 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
 
     for (int i = 0; i < s->n; ++i) {
         diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
-        slope = rbdi_qp_larger(slope, rbdi_abs(s->given.f[i]));
+        slope = rbdi_qp_larger(slope, rbdi_qp_abs(s->given.f[i]));
     }
     s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / RBDI_QP_WAY : 1;
     at = rbdi_qp_factor(s);
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
 
-/* Multipliers of what holds. A proof that did not hold may stand there. */
-RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+/* Multipliers of what holds; one that is below 0 by rounding becomes 0. Returns whether none is. A proof that
+   did not hold may stand there. */
+RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+    int as_found = 1;
+
     for (int row = 0; row < s->all; ++row) lambda[row] = 0;
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
-        const rbd_real u = rbdi_qp_is_equality(s, row) ? s->u[j] : rbdi_qp_larger(s->u[j], 0);
+        const int pulls = s->u[j] < 0 && !rbdi_qp_is_equality(s, row);
+        const rbd_real u = pulls ? 0 : s->u[j];
         lambda[row] = s->side[row] > 0 ? u : -u;
+        as_found = as_found && !pulls;
     }
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 
     /* Rows of zeros: e = u/w is what 0 misses. */
-    for (int row = 0; row < s->all; ++row) {
+    for (int row = 0; row < s->all && s->zeros; ++row) {
         const rbd_real below = rbdi_qp_larger(s->given.lower[row], 0);
         const rbd_real above = rbdi_qp_larger(-s->given.upper[row], 0);
         if (s->from[row] < s->to[row]) continue;
         lambda[row] = rbdi_qp_weight(s, row) * (above - below);
         s->side[row] = (signed char)(lambda[row] > 0 ? 1 : lambda[row] < 0 ? -1 : 0);
     }
+    return as_found;
 }
 
-/* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
-   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. Leaves the value of each row. */
-RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+/* result.primal of x and lambda, by the values of the rows: of each row the miss, or where it pushes the
+   distance from the side, as a share of its terms. */
+RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
-    rbd_real worst, sum = 0, size;
 
     s->result.primal = 0;
     /* x may be nothing but what has cancelled */
     if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
-    size = rbdi_qp_gradient(s, x, s->t);
-    if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
+
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
-        const rbd_real value = (s->value[row] = rbdi_qp_row_times(s, row, x)) - miss;
+        const rbd_real value = s->value[row] - miss;
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
-        const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
-
-        if (lambda[row] != 0) {
-            rbdi_qp_add_row(s, row, lambda[row], s->t);
-            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
-        }
-        if (by <= 0) continue;
+        const rbd_real by = lambda[row] != 0 ? rbdi_qp_abs(at_upper ? above : below)
+                            : at_upper       ? above
+                                             : below;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+
         /* its terms are more than this, for a sum is more than a root of squares */
-        if (by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
-        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
+        if (by <= 0 || by <= s->result.primal * (rbdi_qp_abs(side) + furthest / s->unit[row])) continue;
+        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_qp_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
         else
             s->doubtful = 1;
     }
-    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
-    worst = rbdi_qp_largest(s->t, s->n);
-    s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum); /* not a number if one is none */
+}
+
+/* result.dual and s->balance of x and lambda, whatever they came from. */
+RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+    rbd_real size = rbdi_qp_gradient(s, x, s->t), push = 0;
+    if (!(size > 0)) size = s->rho * s->reach[0]; /* multipliers are rounding of this */
+
+    for (int row = 0; row < s->all; ++row) {
+        if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
+        const rbd_real term = rbdi_qp_abs(lambda[row]) / s->unit[row];
+        rbdi_qp_add_row(s, row, lambda[row], s->t);
+        if (rbdi_qp_weight(s, row) > 0) size = rbdi_qp_larger(size, term);
+        push = rbdi_qp_larger(push, term);
+    }
+    rbdi_qp_judge(s, size, push);
+}
+
+/* The verdict on x and lambda. `ended`: x is as rbdi_qp_refine left it, with the values of the rows; if no
+   multiplier had to be set to 0 and there is no rho, so is result.dual. */
+RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real *lambda) {
+    const int as_refined = rbdi_qp_multipliers(s, lambda) && ended && !(s->rho > 0);
+
+    if (!ended) rbdi_qp_evaluate(s, x, 1);
+    rbdi_qp_verify_rows(s, x, lambda);
+    if (!as_refined) rbdi_qp_verify_optimum(s, x, lambda);
 }
 
 /* A hard row of zeros contradicts itself, or asks for nothing. */
 RBDI_PART rbd_qp_status rbdi_qp_zero_rows(rbdi_qp *s, rbdi_qp_miss *miss) {
-    for (int row = 0; row < s->all; ++row) {
+    for (int row = 0; row < s->all && s->zeros; ++row) {
         const rbd_real lower = s->given.lower[row], upper = s->given.upper[row];
         if (s->from[row] < s->to[row] || rbdi_qp_weight(s, row) > 0 || (lower <= 0 && upper >= 0)) continue;
         miss->row = row;
@@ -2693,7 +2853,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     rbdi_qp_eliminate_all(s, 0);
     if (s->options.warm) rbdi_qp_eliminate_all(s, 1);
     rbdi_qp_take_guess(s);
-    rbdi_qp_basis(s);
+    s->columns = s->n - s->equalities;
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;
         s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
@@ -2707,8 +2867,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     if (status == RBD_QP_INFEASIBLE) {
         rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
     } else {
-        rbdi_qp_multipliers(s, lambda);
-        rbdi_qp_verify(s, x, lambda);
+        rbdi_qp_verify(s, status == RBD_QP_OK, x, lambda);
     }
     if (status == RBD_QP_OK &&
         (s->doubtful || !(rbdi_qp_larger(s->result.primal, s->result.dual) <= 10 * s->options.accuracy)))
@@ -2731,14 +2890,14 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
         status = rbdi_qp_refuse(s, RBD_QP_NAN, k, NULL);
     }
     if (!(s->result.dual - s->result.dual == 0)) s->result.dual = RBDI_QP_NONE;
+    if (!(s->balance - s->balance == 0)) s->balance = RBDI_QP_NONE;
     return status;
 }
 
-/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. symmetric: of the
-   state. */
+/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. */
 RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
-                                      const rbd_qp_options *options, int symmetric, void *memory, size_t size,
-                                      rbd_real *x, rbd_real *lambda, signed char *side) {
+                                      const rbd_qp_options *options, const rbdi_qp_shape *shape, void *memory,
+                                      size_t size, rbd_real *x, rbd_real *lambda, signed char *side) {
     static const rbd_qp_options defaults = {0, 0, 0, 0};
     static const rbd_qp_result none = {0, 0, 0, 0, 0, -1, NULL};
     rbd_qp_status status;
@@ -2749,7 +2908,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     if (!problem || !memory || !x) return RBD_QP_NULL;
     s->given = *problem;
     s->options = options ? *options : defaults;
-    s->symmetric = symmetric;
+    s->shape = *shape;
     s->side = side;
     s->lambda = lambda;
     s->soft = 0;
@@ -2759,6 +2918,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     s->rho = 0;
     s->doubtful = 0;
     s->furthest = 0;
+    s->balance = 0;
     status = rbdi_qp_check_problem(s);
     if (status == RBD_QP_OK && s->all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s->n, problem->bounds, problem->rows, s->soft))
@@ -2773,6 +2933,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
         if (!warm) side[row] = 0;
     }
     rbdi_qp_place(s, memory);
+    s->J = NULL;
     status = rbdi_qp_run(s, x, lambda);
     return rbdi_qp_bound_result(s, status, x, lambda);
 }
@@ -2780,8 +2941,9 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
 RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
                                     void *memory, size_t size, rbd_real *x, rbd_real *lambda,
                                     signed char *side, rbd_qp_result *result) {
+    const rbdi_qp_shape any = {0, problem ? problem->n : 0, 0, 0, 0};
     rbdi_qp s;
-    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, 0, memory, size, x, lambda, side);
+    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, &any, memory, size, x, lambda, side);
     if (result) *result = s.result;
     return status;
 }

@@ -205,11 +205,12 @@ typedef struct rbd_tasks_result {
     int steps;        /* rows of the QPs that joined or left */
     int level;        /* of the last QP */
     rbd_qp_status qp; /* its status */
-    rbd_real primal;  /* the largest miss of a hard row, as a share of its terms, summed over the levels; or
-                        that of rbd_qp_result, if it is larger. The terms are the side and the entries times
-                        x. There a component of x counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at least, a force
-                        as what gives the robot 1 m/s^2 */
-    rbd_real dual;    /* the largest of rbd_qp_result */
+    rbd_real primal;  /* of the answer: the largest miss of a hard row, as a share of its terms, summed over
+                        the levels that count; or that of rbd_qp_result, if it is larger. The terms are the
+                        side and the entries times x. There a component of x counts as 1 rad/s, m/s, rad/s^2
+                        or m/s^2 at least, a force as what gives the robot 1 m/s^2 */
+    rbd_real dual;    /* of the answer: the largest component of Hx + f + C'lambda of a QP, as a share of the
+                        largest of its terms */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */
     rbd_status error;       /* RBD_OK but after RBD_TASKS_ERROR */
@@ -332,6 +333,7 @@ typedef struct rbdi_tasks {
     int nv, n;              /* dofs, components of x */
     int closed;             /* contacts */
     int dynamics, friction; /* the first row of each kind: a row of C is counted from 0 */
+    int robot;              /* rows of C before those of tasks */
     int rows;               /* of C so far */
     rbd_real missed;        /* sum over the levels of the largest miss of a row, as a share of its terms */
     size_t scratch_size;
@@ -716,15 +718,21 @@ RBDI_LOCAL rbd_status rbdi_tasks_check(const rbd_model *m, const rbd_work *w, co
 /* ==== src/tasks/contacts.h ==== */
 /* ---- contacts and dynamics [contacts and dynamics] ---- */
 
-/* Appends a row of zeros with these sides; returns it. */
-RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
+/* Appends a row with these sides; returns it, for its entries to be written. */
+RBDI_LOCAL rbd_real *rbdi_tasks_append_any(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
     rbd_real *row = &k->C[(ptrdiff_t)k->rows * k->n];
 
-    rbdi_clear(row, k->n);
     k->lower[k->n + k->rows] = lower;
     k->upper[k->n + k->rows] = upper;
     k->soft[k->n + k->rows] = rbdi_zero();
     ++k->rows;
+    return row;
+}
+
+/* The same of a row of zeros. */
+RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
+    rbd_real *row = rbdi_tasks_append_any(k, lower, upper);
+    rbdi_clear(row, k->n);
     return row;
 }
 
@@ -795,8 +803,8 @@ RBDI_LOCAL void rbdi_tasks_put_dynamics(rbdi_tasks *k, const rbd_real *M) {
         const int passive = rbdi_tasks_is_passive(k, i);
         const rbd_real most = passive ? rbdi_zero() : rbdi_tasks_torque(k, i);
         const int limited = most < RBDI_UNBOUNDED;
-        rbd_real *row =
-            rbdi_tasks_append(k, limited ? -most - k->bias[i] : -most, limited ? most - k->bias[i] : most);
+        rbd_real *row = rbdi_tasks_append_any(k, limited ? -most - k->bias[i] : -most,
+                                              limited ? most - k->bias[i] : most);
 
         for (int j = 0; j < k->nv; ++j) row[j] = M[i * k->nv + j];
         for (int j = 0; j < 3 * k->closed; ++j) row[k->nv + j] = -k->C[(ptrdiff_t)j * k->n + i];
@@ -841,9 +849,11 @@ RBDI_LOCAL void rbdi_tasks_put_robot(rbdi_tasks *k) {
     for (int i = 0; i < k->closed; ++i) rbdi_tasks_hold(k, &k->given->contact[k->contact[i]]);
     k->dynamics = k->rows;
     k->friction = k->rows;
+    k->robot = k->rows;
     if (!k->accelerations) return;
     rbdi_tasks_put_dynamics(k, M);
     rbdi_tasks_put_friction(k);
+    k->robot = k->rows;
 }
 
 /* ==== src/tasks/rows.h ==== */
@@ -909,7 +919,7 @@ RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_ta
 RBDI_LOCAL void rbdi_tasks_of_com(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
     rbd_real com[3] = {0}, a[3] = {0};
 
-    rbdi_ik_com_jacobian(k->m, k->w, k->w->F, &k->J[3 * k->nv]);
+    rbdi_ik_com_jacobian(k->m, k->w, rbd_mass(k->m), k->w->F, &k->J[3 * k->nv]);
     rbd_com(k->m, k->w, com, NULL, a);
     s->e.v = rbdi_ik_way(t->position, rbdi_load_vec(com, 1));
     s->drift.v = rbdi_load_vec(a, 1);
@@ -1176,7 +1186,7 @@ RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (unit * unit);
 
     rbdi_clear(k->f, k->n);
-    rbdi_clear(k->H, k->n * k->n);
+    rbdi_clear(k->H, k->nv * k->n);
     for (int i = 0; i < k->n; ++i) {
         const rbd_real own = i < k->nv ? rbdi_zero() : p->contact[k->contact[(i - k->nv) / 3]].cost;
         k->H[(ptrdiff_t)i * k->n + i] = i < k->nv ? motion : own > 0 ? own : force;
@@ -1198,7 +1208,8 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
         const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
         if (!(by > 0) || k->soft[row] > 0) continue;
         if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
-        most = rbdi_ik_larger(most, by / rbdi_qp_terms(s, row, side));
+        const rbd_real share = by / rbdi_qp_terms(s, row, side);
+        most = rbdi_ik_larger(most, rbdi_ik_smaller(share, rbdi_set(RBD_C(1)))); /* 1 if sums overflow */
     }
     return most;
 }
@@ -1211,15 +1222,22 @@ RBDI_LOCAL int rbdi_tasks_count_missed(rbdi_tasks *k, const rbdi_qp *s) {
     return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
 }
 
+/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
+RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
+    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
+           status == RBD_QP_UNBOUNDED;
+}
+
 /* Solves the QP of a level, with the first rows of C: those of its own tasks are squares in it. */
 RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int rows) {
     rbd_tasks_result *result = k->result;
     rbd_qp_problem qp;
     rbd_qp_options options;
+    const rbdi_qp_shape shape = {1, k->nv, k->dynamics, k->friction, k->robot};
     rbdi_qp s;
     rbd_qp_status status;
 
-    for (int i = 0; i < k->n; ++i)
+    for (int i = 0; i < k->nv; ++i)
         for (int j = 0; j < i; ++j) k->H[(ptrdiff_t)j * k->n + i] = k->H[(ptrdiff_t)i * k->n + j];
 
     qp.n = k->n;
@@ -1230,24 +1248,26 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     qp.C = k->C;
     qp.lower = k->lower;
     qp.upper = k->upper;
-    qp.soft = k->soft;
+    qp.soft = k->given->limit_weight > 0 || k->given->torque_weight > 0 ? k->soft : NULL;
     options.steps = k->given->steps;
     options.warm = k->given->warm;
     options.rounds = 0;
     options.accuracy = rbdi_zero();
 
     if (options.warm) rbdi_tasks_keep(k, level, rows, 0);
-    status = rbdi_qp_solve(&s, &qp, &options, 1, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
+    status = rbdi_qp_solve(&s, &qp, &options, &shape, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
     rbdi_tasks_keep(k, level, rows, 1);
     result->qp = status;
     result->level = level;
     result->steps += s.result.steps;
     result->primal = rbdi_ik_larger(result->primal, s.result.primal);
-    result->dual = rbdi_ik_larger(result->dual, s.result.dual);
+    result->dual = rbdi_ik_larger(result->dual, s.balance);
+    if (!rbdi_tasks_has_answer(status)) return status;
 
-    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.result.dual) < RBDI_TASKS_ACCURACY)
+    /* x is what counts: nobody asks for multipliers, of rows that nearly depend on each other */
+    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.balance) < RBDI_TASKS_ACCURACY)
         status = RBD_QP_OK;
-    if (status == RBD_QP_OK && !rbdi_tasks_count_missed(k, &s)) {
+    if (!rbdi_tasks_count_missed(k, &s) && status == RBD_QP_OK) {
         result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
         return RBD_QP_INACCURATE;
     }
@@ -1288,12 +1308,6 @@ RBDI_LOCAL int rbdi_tasks_put_level(rbdi_tasks *k, int level) {
     return tasks;
 }
 
-/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
-RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
-    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
-           status == RBD_QP_UNBOUNDED;
-}
-
 /* Whether a level above this one has tasks. */
 RBDI_LOCAL int rbdi_tasks_goes_on(const rbdi_tasks *k, int level) {
     for (int i = 0; i < k->given->tasks; ++i)
@@ -1306,12 +1320,17 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
     int solved = 0;
 
     for (int level = 0; level < RBD_TASK_LEVELS && k->n > 0; ++level) {
+        const rbd_real primal = k->result->primal, dual = k->result->dual;
         const int rows = k->rows;
         rbd_qp_status status;
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
-        if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
+        if (status != RBD_QP_OK && solved) { /* the answer of the level before stands */
+            k->result->primal = primal;
+            k->result->dual = dual;
+            return RBD_TASKS_INEXACT;
+        }
         if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
         if (!rbdi_tasks_has_answer(status)) {
             rbdi_tasks_refuse(k->result, RBD_ERR_NAN, NULL);
@@ -1357,8 +1376,7 @@ RBDI_LOCAL void rbdi_tasks_blame(rbdi_tasks *k, int rows) {
             const rbdi_tasks_limit limit = rbdi_tasks_limit_of(k, row);
             const int equal = k->lower[row] >= k->upper[row];
             const rbd_real share = rbdi_tasks_share(k, row);
-            if (!(share > 0) || limit.part == RBD_TASKS_NOTHING || (i && limit.part == result->part[0]))
-                continue;
+            if (!(share > 0) || (i && limit.part == result->part[0])) continue;
             if (equal > firm || (equal == firm && !(share > most))) continue;
             firm = equal;
             most = share;

@@ -47,24 +47,24 @@
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
      entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
      optimum is exact to the accuracy, not to rounding. Squares of the entries of a row must be normal
-     numbers. result->dual is a share of the largest term: what is 1e8 times weaker (float: 1e3) is less
-     exact. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS or
-     _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
+     numbers. result->dual is a share of the cost's largest term: what is 1e8 times weaker (float: 1e3) is
+     less exact. Rows at an angle of less than 1e-6 (float: 1e-2) may have multipliers too large to be exact:
+     RBD_QP_INACCURATE. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS
+     or _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
      apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
      options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
      RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 
-   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve; DAQP 0.9.1 takes 29.5 kB. Contact forces of
-   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2. Instructions of a Cortex-M4F in float: the mean
-   of 32 problems; DAQP's are like ours, but not the same. Microseconds of a PC in double: the same 400
-   problems, the least mean of some runs, with -march=native (AVX-512) and without:
+   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve. Contact forces of HyQ without a warm
+   start, by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean of 32 problems; microseconds of a
+   PC in double, the mean of 400, with -march=native (AVX-512) and without. More in docs/qp.md:
 
-                                              instructions         native        without
-     12 forces, 28 rows, few limits reached   108,526   43,105    4.1   3.5     4.1   4.7
-     the same, many                           193,063   99,575    9.7   8.2     9.7  10.7
-     18 accelerations too, 46 rows, few       447,307  149,759   20.7  10.5    19.2  14.9
-     the same, many                           499,026  221,909   DAQP's time varies twofold
+                                              instructions    native   without
+     12 forces, 28 rows, few limits reached         43,105       3.5       4.7
+     the same, many                                 99,575       8.2      10.7
+     18 accelerations too, 46 rows, few            149,759      10.5      14.9
+     the same, many                                221,909
 */
 
 #include "api/configuration.h"

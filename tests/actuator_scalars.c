@@ -128,7 +128,7 @@ static void check_inverse(void) {
         const double out = (double)o.torque - J * (double)acc[0] -
                            (double)motor.friction.viscous * (double)v[0] - (v[0] > 0 ? level : -level);
         const double error = fabs(out - (double)tau[0]) / (1 + fabs((double)tau[0]) + fabs((double)o.torque));
-        if (error > bound(1e-13, 1e-5))
+        if (!(error <= bound(1e-13, 1e-5)))
             jumps++;
         else
             worst = larger(worst, error);
@@ -221,7 +221,7 @@ static void check_energy(double stiffness, double backlash, double dt) {
         rbd_actuator_state s;
         step(&c, none, q, v, (rbd_real)dt);
         rbd_actuators_get(a, 0, &s);
-        const double wound = fmax(0, fabs((double)s.angle - (double)q[0]) - backlash / 2);
+        const double wound = larger(0, fabs((double)s.angle - (double)q[0]) - backlash / 2);
         const double energy = 0.05 * (double)v[0] * (double)v[0] + 0.025 * (double)s.speed * (double)s.speed +
                               0.5 * stiffness * wound * wound;
         grown = larger(grown, energy - last);

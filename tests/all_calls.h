@@ -333,8 +333,8 @@ static void all_calls_contact(all_calls *s) {
     free(memory), free(derivatives_memory), free(added);
 }
 
-/* Inverse kinematics: the last body's pose at q2 from q, two axes and places that need not be reached, and
-   the centre of mass if there is mass. */
+/* Inverse kinematics: the last body's pose at q2 from q, an axis and a place that need not be reached: the
+   centre of mass if there is mass. The pose alone by the default options, which try long where it is in vain. */
 static void all_calls_ik(all_calls *s) {
     enum { TARGETS = 3 };
     const int nq = s->nq, most = rbd_mass(s->m) > 0 ? TARGETS : TARGETS - 1;
@@ -355,7 +355,7 @@ static void all_calls_ik(all_calls *s) {
         memset(o, 0, sizeof(rbd_real) * (size_t)s->room);
         for (int k = 0; k < nq; k++) o[k] = s->q[k];
         const rbd_ik_status status =
-            rbd_ik(s->m, s->w, target, n, n % 2 ? NULL : &options, memory, size, o, &result);
+            rbd_ik(s->m, s->w, target, n, n == 1 ? NULL : &options, memory, size, o, &result);
         o[nq] = result.metres, o[nq + 1] = result.radians, o[nq + 2] = (rbd_real)result.evaluations;
         s->sink(s->to, s->header, "rbd_ik", (rbd_status)status, o, nq + 3);
     }

@@ -1,11 +1,12 @@
 #!/bin/sh
 # Compiles rbd.h, and the headers that stand on it, with every compiler found, as every standard, with all warnings as errors:
 # declarations only, with the implementation, with RBD_STATIC (for double alone, a keyword apart), and the declarations of
-# rbd_urdf.h and rbd_mjcf.h; for double and, with the first standard, float; without code, as a standard decides on syntax and meaning alone,
-# and the implementation with the first standard also at -O0, where a compiler sees more (GCC does at -O2 where the tests'
-# library is built). Then the batch calls for several numbers of lanes, with the SIMD unit for them where the compiler has it;
-# the first of them with code. With RBD_ALL_TESTS=yes float and lanes with the last standard too, all of the first at -O0, and
-# clang-19 at -O2.
+# rbd_urdf.h and rbd_mjcf.h; for double and, with the first standard, float. Without code, as a standard decides on syntax and
+# meaning alone, and as clang warns of all before it writes code; GCC warns of some there: of functions without use or result
+# and of cases that fall through. So with GCC the static functions, which are the same implementation, with code at -O0 by the
+# first standard; it sees the rest at -O2 where the tests' library is built. Then the batch calls for several numbers of lanes,
+# with the SIMD unit for them where the compiler has it; with GCC the first of them with code. With RBD_ALL_TESTS=yes float and
+# lanes with the last standard too, all of the first with code at -O0 by each compiler, and clang-19 at -O2.
 # usage: compile_matrix.sh DIRECTORY_OF_RBD_H [COMPILER...]
 set -u
 
@@ -53,9 +54,17 @@ compile() {
     [ "$result" = ok ] || sed -n '1,20p' "$scratch/messages"
 }
 
+# level_of COMPILER: of what it compiles with the first standard
+level_of() {
+    case $all_tests$1 in
+    clang*) echo -fsyntax-only ;;
+    *) echo "$quick" ;;
+    esac
+}
+
 # all COMPILER SUFFIX STANDARD...
 all() {
-    compiler=$1 suffix=$2 level=$quick
+    compiler=$1 suffix=$2 level=$(level_of "$1") first=$3
     shift 2
     # in two thirds of the time without forced inlining
     [ "$compiler$all_tests" != clang-19yes ] ||
@@ -67,11 +76,11 @@ all() {
             continue ;;
         esac
         scalars="double float"
-        [ -n "$all_tests" ] || [ "$level_of_this" != -fsyntax-only ] || scalars=double
+        [ -n "$all_tests" ] || [ "$standard" = "$first" ] || scalars=double
         for scalar in $scalars; do
             for included in declarations urdf implementation; do
                 level_of_included=-fsyntax-only
-                [ -z "$all_tests" ] && [ "$included,$scalar" != implementation,double ] || level_of_included=$level_of_this
+                [ -z "$all_tests" ] || level_of_included=$level_of_this
                 compile "$compiler" "$standard" "$suffix" "$included" "$scalar" "$level_of_included"
             done
         done
@@ -94,12 +103,12 @@ batch() {
 
 # batches COMPILER SUFFIX STANDARD...
 batches() {
-    compiler=$1 suffix=$2 level=$quick
+    compiler=$1 suffix=$2 level=$(level_of "$1") first=$3
     shift 2
     for standard; do
         batch "$compiler" "$standard" "$suffix" 2 double "$level"
-        [ -n "$all_tests" ] || [ "$level" != -fsyntax-only ] || continue
         level=-fsyntax-only
+        [ -n "$all_tests" ] || [ "$standard" = "$first" ] || continue
         batch "$compiler" "$standard" "$suffix" 4 double "$level" -mavx2
         batch "$compiler" "$standard" "$suffix" 8 double "$level" -mavx512f
         batch "$compiler" "$standard" "$suffix" 8 float "$level" -mavx2

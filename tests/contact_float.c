@@ -117,11 +117,10 @@ static void differentiate(const char *what, float speed, rbd_contact_state state
             const double *row = &exact.by[x][r * HYQ_NV];
             double size = 1, error = 0;
             for (int k = 0; k < HYQ_NV; k++) {
-                const double off = fabs((double)by[x][r * HYQ_NV + k] - row[k]);
                 size = larger(size, fabs(row[k]));
-                if (!(off <= error)) error = off; /* keeps what is not a number */
+                error = larger(error, fabs((double)by[x][r * HYQ_NV + k] - row[k]));
             }
-            if (!(error / size <= worst)) worst = error / size;
+            worst = larger(worst, error / size);
         }
     expect(worst <= bound, what, worst);
     printf("13 float, %s: derivatives off by %.1e of a row's largest, allowed %.0e\n", what, worst, bound);

@@ -7,6 +7,7 @@
 #include "rbd_derivatives.h"
 
 #include "fuzz/robots.h"
+#include "larger.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,13 +54,12 @@ static void compare(const char *what, const char *robot, int forward, int by, co
     for (int k = 0; k < nv; k++) {
         difference(forward, by, k, column);
         for (int i = 0; i < nv; i++) {
-            const double e = size(column[i] - found[i * nv + k]), entry = size(column[i]);
-            if (!(e <= error)) error = e; /* NaN too, which stays */
-            if (entry > largest) largest = entry;
+            error = larger(error, size(column[i] - found[i * nv + k]));
+            largest = larger(largest, size(column[i]));
         }
     }
     error = largest > 0 ? error / largest : error;
-    if (error > worst) worst = error;
+    worst = larger(worst, error);
     compared++;
     if (error <= BOUND) return;
     failures++;

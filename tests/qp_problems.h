@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "larger.h"
 #include "rbd_qp.h"
 
 #define NONE ((rbd_real)RBD_QP_NONE)
@@ -60,7 +61,7 @@ static double entry(const rbd_qp_problem *p, int row, int j) {
 }
 static double largest_of(const rbd_real *v, int n) {
     double largest = 0;
-    for (int i = 0; i < n; i++) largest = fabs((double)v[i]) > largest ? fabs((double)v[i]) : largest;
+    for (int i = 0; i < n; i++) largest = larger(largest, fabs((double)v[i]));
     return largest;
 }
 
@@ -119,6 +120,29 @@ static judgement judge_solution(const rbd_qp_problem *p) {
     return worst;
 }
 
+/* The largest component of Hx + f + C'lambda, as a share of the largest term of the cost: what result.dual
+   states. Not of lambda of hard rows, whose terms may cancel. */
+static double gradient_share(const rbd_qp_problem *p) {
+    double worst = 0, largest = 0;
+
+    for (int i = 0; i < p->n; i++) {
+        double sum = (double)p->f[i], terms = fabs(sum);
+        for (int j = 0; j < p->n; j++) {
+            const double term = (double)p->H[i * p->n + j] * (double)x[j];
+            sum += term;
+            terms += fabs(term);
+        }
+        for (int row = 0; row < p->bounds + p->rows; row++) {
+            const double term = entry(p, row, i) * (double)lambda[row];
+            sum += term;
+            if (p->soft && p->soft[row] > 0) terms += fabs(term);
+        }
+        worst = larger(worst, fabs(sum));
+        largest = larger(largest, terms);
+    }
+    return largest > 0 ? worst / largest : worst;
+}
+
 /* How well lambda proves a contradiction: lambda' rows = 0, and lambda' sides < 0. */
 static judgement judge_proof(const rbd_qp_problem *p) {
     const int n = p->n, all = p->bounds + p->rows;
@@ -128,7 +152,7 @@ static judgement judge_proof(const rbd_qp_problem *p) {
     for (int j = 0; j < n; j++) {
         double terms = 0;
         for (int row = 0; row < all; row++) terms += fabs(entry(p, row, j) * (double)lambda[row]);
-        largest = fmax(largest, terms);
+        largest = larger(largest, terms);
     }
     for (int j = 0; j < n; j++) {
         double sum = 0;

@@ -178,7 +178,7 @@ def check_others(program):
                     text = text.replace(old, new, 1)
                 there.write_text(text)
             other = pathlib.Path(scratch, "replay")
-            subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-std=c99", "-O1", "-Dalways_inline=unused", "-I", scratch,
+            subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-std=c99", "-O0", "-Dalways_inline=unused", "-I", scratch,
                             f"{scratch}/examples/firmware/replay.c", "-o", other, "-lm"], check=True)
             expect(name, replay(other, DUMP.read_bytes()), UNUSABLE, sentence)
 
@@ -223,9 +223,9 @@ def image(name, target, ticks, scratch):
         print("left out: there is no", ", no ".join(lacks))
         sys.exit(77)
     for source in (name, "board"):
-        subprocess.run([compiler, "-std=c99", "-O2", *words["c_args"], "-DRBD_REAL=float", f"-DRECORDED_TICKS={ticks}",
-                        "-DPICOLIBC_INTEGER_PRINTF_SCANF", "-I", ROOT, "-c", EXAMPLES / (source + ".c"),
-                        "-o", f"{scratch}/{source}.o"], check=True)
+        subprocess.run([compiler, "-std=c99", "-Og", "-Dalways_inline=unused", *words["c_args"], "-DRBD_REAL=float",
+                        f"-DRECORDED_TICKS={ticks}", "-DPICOLIBC_INTEGER_PRINTF_SCANF", "-I", ROOT,
+                        "-c", EXAMPLES / (source + ".c"), "-o", f"{scratch}/{source}.o"], check=True)
     subprocess.run([compiler, *words["c_link_args"], "-DPICOLIBC_INTEGER_PRINTF_SCANF", f"{scratch}/{name}.o",
                     f"{scratch}/board.o", "-lm", "-o", f"{scratch}/{name}"], check=True)
     done = subprocess.run([*emulator, f"{scratch}/{name}"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, check=False)
@@ -250,7 +250,7 @@ def record_servos(target):
     with tempfile.TemporaryDirectory() as scratch:
         status, dump = image("recorded_servos", target, 500, scratch)
         program = f"{scratch}/replay"
-        subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-std=c99", "-O2", "-Dalways_inline=unused",
+        subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-std=c99", "-O0", "-Dalways_inline=unused",
                         "-DCONTROLLER=\"servo_controller.h\"", "-I", ROOT, EXAMPLES / "replay.c", "-o", program, "-lm"],
                        check=True)
         report = dump.decode().partition("\n")[0]

@@ -125,7 +125,7 @@ static void for_models(void (*check)(void)) {
 
 static void judge(const char *what, int lane, double error, double bound) {
     const int number = (int)(lane_state[lane] - reference->states);
-    bound = larger(bound, FLOOR);
+    bound = fmax(bound, FLOOR);
     ck_assert_msg(error <= bound, "%s, %s: %s, state %d, lane %d: error %.3g exceeds %.3g", SCALAR_NAME, what,
                   reference->name, number, lane, error, bound);
 }
@@ -135,7 +135,7 @@ static double error_of(int lane, const rbd_real *x, const double *expected, int 
     double difference = 0, size = 1e-3;
     for (int i = 0; i < n; i++) {
         const double value = get(x[i], lane);
-        difference = isfinite(value) ? fmax(difference, fabs(value - expected[i])) : HUGE_VAL;
+        difference = larger(difference, fabs(value - expected[i]));
         size = larger(size, fabs(expected[i]));
     }
     return difference / size;
@@ -516,11 +516,10 @@ static void check_choice(const choice *c) {
                 const double bound = c->inverse ? INVERSE(lane_state[lane]->cond_M) : DIRECT;
                 double size = 0, error = 0;
                 for (int j = begin; j < end; j++) {
-                    const double e = fabs(get(some[j] - all[j], lane));
-                    error = e <= error ? error : e; /* NaN too, which stays */
+                    error = larger(error, fabs(get(some[j] - all[j], lane)));
                     size = larger(size, fabs(get(all[j], lane)));
                 }
-                ck_assert_msg(error <= bound * size,
+                ck_assert_msg(error <= bound * size && size < HUGE_VAL,
                               "%s, %s: %s, outputs %d, lane %d: number %d differs by %g", SCALAR_NAME,
                               reference->name, c->what, wanted, lane, k, error);
             }

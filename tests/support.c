@@ -312,7 +312,7 @@ void for_control_states(control_check *check) {
 
 double largest(const double *x, int n) {
     double size = 0;
-    for (int i = 0; i < n; i++) size = isfinite(x[i]) ? fmax(size, fabs(x[i])) : HUGE_VAL;
+    for (int i = 0; i < n; i++) size = larger(size, fabs(x[i]));
     return size;
 }
 
@@ -332,7 +332,7 @@ double relative_error(const double *found, const double *expected, int n) {
     double difference = 0;
     for (int i = 0; i < n; i++) {
         if (!isfinite(found[i]) || !isfinite(expected[i])) return HUGE_VAL;
-        difference = fmax(difference, fabs(found[i] - expected[i]));
+        difference = larger(difference, fabs(found[i] - expected[i]));
     }
     return difference / fmax(largest(expected, n), 1e-3);
 }
@@ -396,6 +396,8 @@ static figure figures[200];
 static int figure_count, figures_are_kept;
 
 void record_figures(void) { figures_are_kept = 1; }
+
+int figures_are_recorded(void) { return figures_are_kept; }
 
 const char *why_not_figure(int item, const char *what, double found, double expected, double bound) {
     figure *f = figures;

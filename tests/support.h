@@ -74,7 +74,11 @@ void for_random_states(int count, state_check *check);
 /* A part of the random trees, the first of them, is enough under the sanitizers, for coverage, and for ./run
    quick. */
 #ifndef PART_OF_TREES
+#ifdef HALF_OF_TREES /* every day; all of them by ./run test --all */
+#define PART_OF_TREES 2
+#else
 #define PART_OF_TREES 1
+#endif
 #endif
 
 /* How many of n events on all random trees a part of them must have at least: half of its share, for it is no
@@ -126,6 +130,7 @@ void print_errors(void);
 const char *why_not_figure(int item, const char *what, double found, double expected, double bound);
 #define expect_figure(...) FAIL_IF(why_not_figure(__VA_ARGS__))
 void record_figures(void);
+int figures_are_recorded(void);
 void print_figures(void);
 
 double largest(const double *x, int n); /* magnitude; infinite if anything is not finite */

@@ -1026,7 +1026,7 @@ START_TEST(springs_and_play_make_no_energy) {
         double energy;
         step(&d, dt);
         ck_assert_int_eq(rbd_actuators_get(d.a, 0, &s), RBD_OK);
-        const double wound = fmax(0, fabs(s.angle - d.q[0]) - motor.backlash / 2);
+        const double wound = larger(0, fabs(s.angle - d.q[0]) - motor.backlash / 2);
         energy = 0.05 * d.v[0] * d.v[0] + 0.5 * J * s.speed * s.speed + 0.5 * k * wound * wound;
         ck_assert_msg(energy <= last + 1e-14, "step %d: %.17g after %.17g", i, energy, last);
         last = energy;
@@ -1122,7 +1122,7 @@ static double law_error(const rbd_motor *m, const rbd_actuator_state *before, co
     const double friction =
         J * (after->speed - before->speed) - dt * (t - m->friction.viscous * after->speed) + p;
     const double level = dt * after->friction;
-    double error = fmax(fabs(told - p / dt), fmax(0, fabs(friction) - level) / dt);
+    double error = larger(fabs(told - p / dt), larger(0, fabs(friction) - level) / dt);
     if (after->speed != 0) error = larger(error, fabs(friction + (after->speed > 0 ? level : -level)) / dt);
     return error;
 }

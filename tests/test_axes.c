@@ -1,6 +1,7 @@
 /* test_axes.c - pairs of nearly parallel axes against the textbook: what is computed is right to rounding
    wherever the robot stands, whatever stands beside it and however its links differ in size.
    One source for both scalars: -DRBD_REAL=float, or nothing (double). */
+#include "larger.h"
 #include "rbd.h"
 
 #include "textbook.h"
@@ -82,11 +83,11 @@ static void judge(const char *what, tb_real error) {
 /* Torques: each over the root of its M_ii, as a share of the largest such torque or acceleration. */
 static void compare_torque(const char *what, const result *r, const tb_real *M, const tb_real *expected,
                            const double *a, const tb_real *found) {
-    tb_real size = 0, error = 0;
+    double size = 0, error = 0;
     for (int i = 0; i < r->nv; i++) {
         const tb_real root = sqrtl(M[i * r->nv + i]);
-        size = fmaxl(size, fmaxl(fabsl(expected[i]) / root, fabsl(a[i]) * root));
-        error = isfinite((double)found[i]) ? fmaxl(error, fabsl(found[i] - expected[i]) / root) : HUGE_VALL;
+        size = larger(size, larger((double)(fabsl(expected[i]) / root), (double)(fabsl(a[i]) * root)));
+        error = larger(error, (double)(fabsl(found[i] - expected[i]) / root));
     }
     judge(what, error / size);
 }

@@ -50,11 +50,11 @@ static violation violation_of(const problem *x) {
         v.into = larger(v.into, -u[2]);
         v.signorini = larger(v.signorini, fabs(p[2] * u[2]));
         v.dissipation = larger(v.dissipation, fabs(p[0] * u[0] + p[1] * u[1] + x->mu[i] * p[2] * speed));
-        v.cone = larger(v.cone, fmax(size - x->mu[i] * p[2] * (1 + 4 * DBL_EPSILON), -p[2]));
+        v.cone = larger(v.cone, larger(size - x->mu[i] * p[2] * (1 + 4 * DBL_EPSILON), -p[2]));
     }
     for (int i = 0, r = 3 * x->n; i < x->bounded; i++, r++) {
         const double low = fmin(x->p[r] - x->lower[i], 1), high = fmin(x->upper[i] - x->p[r], 1);
-        v.cone = larger(v.cone, fmax(-low, -high));
+        v.cone = larger(v.cone, larger(-low, -high));
         v.signorini = larger(v.signorini, x->u[r] > 0 ? x->u[r] * low : -x->u[r] * high);
     }
     return v;
@@ -456,7 +456,7 @@ START_TEST(indefinite_matrix_is_survived) {
     x.upper[0] = x.upper[1] = 1e30;
     ck_assert_int_eq(solve(&x), RBD_OK);
     ck_assert(isfinite(x.p[0]) && isfinite(x.p[1]) && isfinite(x.solution.residual));
-    ck_assert_double_le(fmax(fabs(x.p[0]), fabs(x.p[1])), 1e30);
+    ck_assert_double_le(larger(fabs(x.p[0]), fabs(x.p[1])), 1e30);
 }
 END_TEST
 
@@ -603,7 +603,7 @@ END_TEST
 
 Suite *contact_suite(void) {
     Suite *suite = suite_create("contact");
-    TCase *c = tcase_create("solver");
+    TCase *c = tcase_create("contact");
     tcase_set_timeout(c, 60);
     tcase_add_test(c, one_contact_is_one_of_all_solutions);
     tcase_add_test(c, one_contact_obeys_its_laws);

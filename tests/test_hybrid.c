@@ -85,7 +85,7 @@ static double by_textbook(const robot *r, const state *s, const unsigned char *g
             sum[0] += fabsl(part[i * n + j]);
             sum[1] += fabsl(inverse[i * n + j]);
         }
-        for (int k = 0; k < 2; k++) norm[k] = fmaxl(norm[k], sum[k]);
+        for (int k = 0; k < 2; k++) norm[k] = larger((double)norm[k], (double)sum[k]);
         a[index[i]] = x;
     }
     for (int i = 0; i < r->nv; i++) {

@@ -272,7 +272,7 @@ END_TEST
 
 Suite *mimic_suite(void) {
     Suite *suite = suite_create("mimic");
-    TCase *c = tcase_create("trees");
+    TCase *c = tcase_create("mimic");
     tcase_set_timeout(c, 60);
     tcase_add_test(c, inverse_dynamics);
     tcase_add_test(c, mass_matrix);

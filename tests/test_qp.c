@@ -315,6 +315,7 @@ START_TEST(contradictions_are_found_and_proven) {
     int proven = 0;
     seed = 7;
     for (int k = 0; k < 300; k++) {
+        if (k == 299) seed = 2557007672; /* in float its rows join, with multipliers of 1e13 that cancel */
         const rbd_qp_problem p = contradiction();
         const rbd_qp_status status = solve(&p);
         if (sizeof(rbd_real) == 4 && status == RBD_QP_INACCURATE) continue; /* not proven */
@@ -324,6 +325,48 @@ START_TEST(contradictions_are_found_and_proven) {
         check_proof(&p, "contradiction", k);
     }
     ck_assert_int_ge(proven, 280);
+}
+END_TEST
+
+/* Two rows at an angle of 1/2 to 1e-6, and 1e-11 in double: their multipliers grow as 1 over it, and cancel.
+   Where rounding of these is as large as the gradient, an answer is not called exact; far from there it
+   is. */
+START_TEST(multipliers_that_cancel_hide_no_gradient) {
+    const double epsilon = sizeof(rbd_real) == 4 ? 6e-8 : 1.1e-16;
+    const double least = sizeof(rbd_real) == 4 ? 1e-6 : 1e-11;
+    int inexact = 0;
+    seed = 17;
+    for (double angle = .5; angle > least; angle /= 2) {
+        for (int k = 0; k < 20; k++) {
+            const int n = between(2, 9);
+            const rbd_qp_problem p = problem_of(n, 0, 2);
+            double inside[MOST_N];
+            rbd_qp_status status;
+
+            for (int i = 0; i < n; i++) {
+                for (int j = 0; j < n; j++) H[i * n + j] = i == j;
+                inside[i] = normal();
+                f[i] = (rbd_real)normal();
+                C[i] = (rbd_real)normal();
+                C[n + i] = C[i] + (rbd_real)(angle * normal());
+            }
+            for (int row = 0; row < 2; row++) {
+                double value = 0;
+                for (int j = 0; j < n; j++) value += entry(&p, row, j) * inside[j];
+                lower[row] = upper[row] = (rbd_real)value;
+            }
+
+            status = solve(&p);
+            if (angle > 10 * epsilon / RBDI_QP_ACCURACY)
+                ck_assert_msg(status == RBD_QP_OK, "angle %g: %d", angle, status);
+            if (status != RBD_QP_OK)
+                inexact++;
+            else
+                ck_assert_msg(gradient_share(&p) <= 20 * RBDI_QP_ACCURACY, "angle %g: %g of the gradient",
+                              angle, gradient_share(&p));
+        }
+    }
+    ck_assert_int_gt(inexact, 0);
 }
 END_TEST
 
@@ -704,15 +747,15 @@ START_TEST(slips_are_named) {
 
     o.steps = -1;
     ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_RANGE);
-    ck_assert_str_eq(result.field, "steps");
+    ck_assert(result.at == -1 && !strcmp(result.field, "steps"));
     o.steps = 0;
     o.rounds = -1;
     ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_RANGE);
-    ck_assert_str_eq(result.field, "rounds");
+    ck_assert(result.at == -1 && !strcmp(result.field, "rounds"));
     o.rounds = 0;
     o.accuracy = (rbd_real)NAN;
     ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_RANGE);
-    ck_assert_str_eq(result.field, "accuracy");
+    ck_assert(result.at == -1 && !strcmp(result.field, "accuracy"));
 
     o.accuracy = 1;
     ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_RANGE);
@@ -727,6 +770,22 @@ START_TEST(slips_are_named) {
     ck_assert_int_eq(rbd_qp_solve(&p, NULL, memory, sizeof memory, x, NULL, side, &result), RBD_QP_NULL);
     ck_assert_int_eq(rbd_qp_solve(&p, NULL, memory, sizeof memory, x, lambda, NULL, &result), RBD_QP_NULL);
     ck_assert_int_eq(rbd_qp_solve(&p, NULL, memory, sizeof memory, x, lambda, side, NULL), RBD_QP_OK);
+}
+END_TEST
+
+/* H_01 and H_10 may differ by a share of the sum of H_00 and H_11. */
+START_TEST(a_slight_asymmetry_is_rounding) {
+    const rbd_qp_problem p = problem_of(2, 0, 0);
+    for (int k = 0; k < 4; k++) {
+        const double small = 1, large = 4, share = k < 2 ? .9 : 1.1;
+        H[0] = (rbd_real)(k % 2 ? small : large);
+        H[3] = (rbd_real)(k % 2 ? large : small);
+        H[1] = (rbd_real)0.5;
+        H[2] = (rbd_real)(.5 + share * (double)RBDI_QP_ASYMMETRY * (small + large));
+        f[0] = f[1] = 1;
+        ck_assert_int_eq(solve(&p), k < 2 ? RBD_QP_OK : RBD_QP_SYMMETRIC);
+        if (k >= 2) ck_assert(result.at == 1 && !strcmp(result.field, "H"));
+    }
 }
 END_TEST
 
@@ -785,6 +844,41 @@ START_TEST(slight_contradictions_are_inaccurate) {
 END_TEST
 
 /* Without a value to lower, x is the nearest place to 0, to rounding. */
+/* x0 >= gap and x0 + angle x1 <= 0 meet at x1 = -gap / angle, which is nearer than the optimum without rows. The
+   rows are too nearly parallel to be solved; but that is no contradiction. */
+START_TEST(rows_that_meet_within_reach_contradict_nothing) {
+    const rbd_qp_problem p = problem_of(2, 0, 2);
+    const double angle = (double)RBDI_QP_DEPENDENT / 2, far = 1e4, gap = angle * far / 5;
+    set(H, (const double[]){1, 0, 0, 1}, 4);
+    set(f, (const double[]){0, -far}, 2);
+    set(C, (const double[]){1, 0, 1, angle}, 4);
+    set(lower, (const double[]){gap, -INF}, 2);
+    set(upper, (const double[]){INF, 0}, 2);
+    ck_assert_int_eq(solve(&p), RBD_QP_INACCURATE);
+}
+END_TEST
+
+/* A variable, whichever, that others set to 0, but for rounding, keeps a bound of 0. */
+START_TEST(a_bound_of_zero_holds_but_for_rounding) {
+    seed = 41;
+    for (int k = 0; k < 200; k++) {
+        const int n = between(2, 4), zero = between(0, n - 1);
+        const rbd_qp_problem p = problem_of(n, n, 1);
+        double sum = 0;
+        for (int i = 0; i < n; i++) {
+            for (int j = 0; j < n; j++) H[i * n + j] = i == j;
+            f[i] = (rbd_real)normal();
+            C[i] = (rbd_real)(1 + fabs(normal()));
+            lower[i] = upper[i] = i == zero ? 0 : (rbd_real)normal();
+            if (i == zero) upper[i] = NONE;
+            sum += (double)C[i] * (double)lower[i];
+        }
+        lower[n] = upper[n] = (rbd_real)sum;
+        ck_assert_msg(solve(&p) == RBD_QP_OK, "problem %d", k);
+    }
+}
+END_TEST
+
 START_TEST(rows_alone_are_met) {
     const double row[3] = {0.1, 0.7, 1. / 3}, square = 0.01 + 0.49 + 1. / 9;
     rbd_qp_problem p = problem_of(3, 0, 1);
@@ -812,6 +906,15 @@ START_TEST(rows_alone_are_met) {
         ck_assert_int_eq(solve(&p), RBD_QP_OK);
         for (int r = 0; r < p.bounds + p.rows; r++) lambda[r] = 0; /* they are rounding */
         check_kkt(&p, loose, "rows alone", k);
+
+        const int rounds = result.rounds;
+        const rbd_real unit = k % 2 ? 1 << 20 : (rbd_real)1 / (1 << 20); /* exact */
+        for (int r = 0; r < p.bounds + p.rows; r++) {
+            if (lower[r] > -NONE) lower[r] *= unit;
+            if (upper[r] < NONE) upper[r] *= unit;
+        }
+        ck_assert_int_eq(solve(&p), RBD_QP_OK);
+        ck_assert_int_eq(result.rounds, rounds);
     }
 }
 END_TEST
@@ -965,7 +1068,7 @@ START_TEST(ok_is_said_of_the_solution_alone) {
             }
             below = (double)p.lower[row] - value - 2 * tight * fabs((double)p.lower[row]);
             above = value - (double)p.upper[row] - 2 * tight * fabs((double)p.upper[row]);
-            ck_assert_msg(!(fmax(below, above) > 2 * tight * terms), "problem %d, row %d", k, row);
+            ck_assert_msg(larger(below, above) <= 2 * tight * terms, "problem %d, row %d", k, row);
         }
     }
 }
@@ -1237,6 +1340,7 @@ int main(void) {
     tcase_add_loop_test(c, known_answers_come_out, 0, LENGTH(answers));
     tcase_add_loop_test(c, random_problems_satisfy_their_conditions, 0, KINDS);
     tcase_add_test(c, contradictions_are_found_and_proven);
+    tcase_add_test(c, multipliers_that_cancel_hide_no_gradient);
     tcase_add_test(c, small_problems_agree_with_all_choices_of_sides);
     tcase_add_test(c, soft_rows_are_slacks);
     tcase_add_test(c, any_guess_leads_to_the_same_solution);
@@ -1244,8 +1348,11 @@ int main(void) {
     tcase_add_test(c, order_and_units_do_not_matter);
     tcase_add_test(c, not_a_number_is_named);
     tcase_add_test(c, slips_are_named);
+    tcase_add_test(c, a_slight_asymmetry_is_rounding);
     tcase_add_test(c, steps_and_rounds_are_bounded);
     tcase_add_test(c, slight_contradictions_are_inaccurate);
+    tcase_add_test(c, rows_that_meet_within_reach_contradict_nothing);
+    tcase_add_test(c, a_bound_of_zero_holds_but_for_rounding);
     tcase_add_test(c, rows_alone_are_met);
     tcase_add_test(c, an_optimum_at_0_is_ok);
     tcase_add_test(c, weighted_squares_are_not_unbounded);

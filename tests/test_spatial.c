@@ -82,7 +82,7 @@ static double worst(const rbd_real *found, const rbd_real *expected, int n) {
     for (int i = 0; i < n; i++)
         for (int lane = 0; lane < LANES; lane++) {
             const double difference = get(found[i] - expected[i], lane);
-            error = isfinite(difference) ? fmax(error, fabs(difference)) : HUGE_VAL;
+            error = larger(error, fabs(difference));
         }
     return error;
 }
@@ -101,7 +101,7 @@ static double of_rotations(rbd_rotation a, rbd_rotation b) {
     return worst(x, y, 9);
 }
 static double of_placements(rbd_placement a, rbd_placement b) {
-    return fmax(of_rotations(a.rotation, b.rotation), of_vecs(a.position, b.position));
+    return larger(of_rotations(a.rotation, b.rotation), of_vecs(a.position, b.position));
 }
 static double of_motions(rbd_motion a, rbd_motion b) {
     rbd_real x[6], y[6];

@@ -59,7 +59,7 @@ static void expect_dynamics(const robot *r, const rbd_tasks *p, const double *q,
         const double *given = c->normal, z[3] = {0, 0, 1};
         const double *n = dot(given, given, 3) > 0 ? given : z;
         const double normal = dot(&f[3 * i], n, 3) / sqrt(dot(n, n, 3));
-        const double slope = sqrt(fmax(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
+        const double slope = sqrt(larger(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
         if (c->open) {
             ck_assert(f[3 * i] == 0 && f[3 * i + 1] == 0 && f[3 * i + 2] == 0);
             continue;
@@ -138,9 +138,11 @@ START_TEST(soft_limits_give_way_to_the_next_level) {
 }
 END_TEST
 
-/* Momentum h has no place: its rate is what is asked for, and gain times what is missed. */
+/* Momentum h has no place: its rate is what is asked for, and gain times what is missed. What stands on the
+   world has none. */
 START_TEST(momentum_decays_by_its_gain) {
-    robot r = BUILD(slide);
+    const rbd_body bodies[2] = {{.parent = -1, .type = RBD_FIXED, .mass = 5}, slide[0]};
+    robot r = BUILD(bodies);
     const double q[1] = {0.3}, v[1] = {0.7};
     const rbd_task t = {.kind = RBD_TASK_MOMENTUM,
                         .velocity = {0, 0, 0, 0.2},
@@ -300,6 +302,112 @@ START_TEST(limits_come_from_model_or_problem) {
 }
 END_TEST
 
+/* A limit of 0 is none, though the model has one; so is the side that is not given. */
+START_TEST(zeros_and_missing_sides_are_no_limits) {
+    rbd_body bodies[1] = {slide[0]};
+    bodies[0].velocity = 2, bodies[0].effort = 3, bodies[0].lower = -0.01, bodies[0].upper = 0.01;
+    robot r = BUILD(bodies);
+    const rbd_task t = {.kind = RBD_TASK_POINT, .velocity = {0, 0, 0, 9}, .acceleration = {0, 0, 0, 9}};
+    const double q[1] = {0}, v[1] = {0}, none[1] = {0}, lower[1] = {-0.01}, upper[1] = {0.01};
+    const rbd_tasks p = {.task = &t,
+                         .tasks = 1,
+                         .dt = 0.1,
+                         .speed = none,
+                         .torque = none,
+                         .acceleration = none,
+                         .lower = lower,
+                         .motion_cost = 1e-9};
+    rbd_tasks other = p;
+    rbd_task back = t;
+    rbd_tasks_result result;
+    double x[1] = {0}, a[1], tau[1];
+    expect_answer(&result, move_by(&r, &p, q, x, &result), RBD_TASKS_OK);
+    ck_assert(fabs(x[0] - 9) < 1e-7);
+    expect_answer(&result, push_by(&r, &p, q, v, a, NULL, tau, &result), RBD_TASKS_OK);
+    ck_assert(fabs(a[0] - 9) < 1e-7 && fabs(tau[0] - 18) < 1e-7);
+
+    back.velocity[3] = -9;
+    other.task = &back, other.lower = NULL, other.upper = upper;
+    expect_answer(&result, move_by(&r, &other, q, x, &result), RBD_TASKS_OK);
+    ck_assert(fabs(x[0] + 9) < 1e-7);
+    robot_free(&r);
+}
+END_TEST
+
+/* A slide that is held and drawn by 10 N: its motor gives 10 - f, softly 1 at most, and f costs something. */
+START_TEST(forces_cost_what_the_problem_says) {
+    robot r = BUILD(slide);
+    const double q[1] = {0}, v[1] = {0}, torque[1] = {1}, drawn[6] = {0, 0, 0, -10, 0, 0};
+    double a[1], f[3], tau[1];
+    rbd_tasks_result result;
+    for (int own = 0; own < 2; own++) {
+        const rbd_task_contact c = {.normal = {1, 0, 0}, .cost = own ? 0.5 : 0};
+        const rbd_tasks p = {.contact = &c,
+                             .contacts = 1,
+                             .dt = 0.1,
+                             .torque = torque,
+                             .torque_weight = 3,
+                             .force_cost = own ? 7 : 0.5,
+                             .f_ext = drawn};
+        expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_OK);
+        ck_assert(fabs(f[0] - 9 * 3 / 3.5) < 1e-9 && fabs(tau[0] - (10 - f[0])) < 1e-9); /* least of
+                                                                        0.5 f^2 + 3 (9 - f)^2 */
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* The ground pushes along its normal, whichever axis that is. */
+START_TEST(a_normal_may_be_any_axis) {
+    robot r = BUILD(slide);
+    const double q[1] = {0}, v[1] = {0};
+    for (int k = 0; k < 6; k++) {
+        rbd_task_contact c = {.least = 5};
+        const rbd_tasks p = {.contact = &c, .contacts = 1, .dt = 0.1};
+        double a[1], f[3], tau[1];
+        rbd_tasks_result result;
+        c.normal[k % 3] = k < 3 ? 2 : -2;
+        expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_OK);
+        for (int i = 0; i < 3; i++) ck_assert(fabs(f[i] - (i == k % 3 ? k < 3 ? 5 : -5 : 0)) < 1e-9);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* Limits so far away that the way back overflows what a tick can do: the answer is not called exact. */
+START_TEST(answers_beyond_all_measure_are_inexact) {
+    const rbd_body bodies[2] = {
+        {.joint = "a", .parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 2},
+        {.joint = "b", .parent = 0, .type = RBD_PRISMATIC, .axis = {0, 1, 0}, .mass = 1}};
+    robot r = BUILD(bodies);
+    const double q[2] = {0}, lower[2] = {1e20, 1e20}, upper[2] = {1e29, 1e29};
+    double x[2] = {0};
+    rbd_tasks_result result;
+    const rbd_tasks p = {.dt = 1, .lower = lower, .upper = upper};
+    expect_answer(&result, move_by(&r, &p, q, x, &result), RBD_TASKS_INEXACT);
+    ck_assert(x[0] > 1e9 && x[0] < 1e11 && result.qp == RBD_QP_INACCURATE && result.primal < 1e-12);
+    robot_free(&r);
+}
+END_TEST
+
+/* The squares of two thousand rows of 1e9, by a weight of 1e9, are no number that the QP takes. */
+START_TEST(squares_without_measure_are_an_error) {
+    enum { ROWS = 1000 };
+    static double J[ROWS], y[ROWS];
+    robot r = BUILD(slide);
+    const rbd_task once = {.kind = RBD_TASK_ROWS, .rows = ROWS, .jacobian = J, .y = y, .weight = 1e9};
+    const rbd_task t[2] = {once, once};
+    const rbd_tasks p = {.task = t, .tasks = 2, .dt = 1};
+    const double q[1] = {0};
+    double x[1] = {7};
+    rbd_tasks_result result;
+    for (int i = 0; i < ROWS; i++) J[i] = 1e9;
+    expect_answer(&result, move_by(&r, &p, q, x, &result), RBD_TASKS_ERROR);
+    ck_assert(result.error == RBD_ERR_NAN && result.qp == RBD_QP_NAN && x[0] == 7);
+    robot_free(&r);
+}
+END_TEST
+
 /* ---- random trees ---- */
 
 /* Contacts anywhere, any joints: an answer satisfies the dynamics. A robot at rest with motors has one. */
@@ -453,7 +561,7 @@ START_TEST(feet_push_along_their_normals) {
         for (int i = 0; i < FEET; i++) {
             const double *n = feet[i].normal;
             const double normal = dot(&f[3 * i], n, 3) / sqrt(dot(n, n, 3));
-            const double slope = sqrt(fmax(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
+            const double slope = sqrt(larger(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
             steep += slope > 0.69 * 0.2 * normal; /* at least cos(pi / 4) of mu where a side holds */
         }
         ck_assert_int_ge(steep, k < 2 ? 0 : 1);
@@ -565,6 +673,15 @@ START_TEST(work_is_bounded) {
     expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_INEXACT);
     ck_assert(result.qp == RBD_QP_ITERATIONS && result.level == 1);
     expect_dynamics(&r, &p, q, v, a, f, tau);
+
+    /* the answer is that of level 0 alone, and so is what the result says of it */
+    const double primal = result.primal, dual = result.dual;
+    double alone[MAX_V];
+    p.tasks = 1;
+    expect_answer(&result, push_by(&r, &p, q, v, alone, f, tau, &result), RBD_TASKS_OK);
+    ck_assert(memcmp(a, alone, (size_t)r.nv * sizeof *a) == 0);
+    ck_assert(primal == result.primal && primal < 1e-7 && dual == result.dual && dual < 1e-7);
+    p.tasks = 2;
     p.steps = 0;
     expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_OK);
     ck_assert_int_gt(result.steps, 2);
@@ -892,6 +1009,13 @@ START_TEST(contradictions_are_named) {
     p.torque_weight = 1; /* soft: it is kept by a larger torque */
     expect_answer(&result, push_by(&r, &p, high, zero, a, NULL, tau, &result), RBD_TASKS_OK);
     ck_assert(fabs(tau[0] - 9.81) < 1e-9 && fabs(a[0]) < 1e-9);
+
+    /* velocities: it is behind its limit, and held */
+    const rbd_task_contact held = {.normal = {0, 0, 1}};
+    const rbd_tasks moves = {.contact = &held, .contacts = 1, .dt = 1e-3, .lower = lower};
+    a[0] = 7;
+    expect_answer(&result, move_by(&r, &moves, zero, a, &result), RBD_TASKS_INFEASIBLE);
+    ck_assert(a[0] == 7 && result.part[0] == RBD_TASKS_MOTION_LIMIT && result.part[1] == RBD_TASKS_HELD);
     robot_free(&r);
 }
 END_TEST
@@ -1165,16 +1289,31 @@ START_TEST(calls_without_what_they_need_are_refused) {
     ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, sizeof text),
                      "task 0, field 'kind': a centre of mass or momentum, but the robot has no mass");
     ck_assert_int_eq(rbd_tasks_velocity(r.m, r.w, &p, q, memory, size, NULL, &x), RBD_TASKS_ERROR);
+    ck_assert_int_eq(rbd_tasks_velocity(r.m, r.w, &p, NULL, memory, size, v, &x), RBD_TASKS_ERROR);
+    ck_assert_int_eq(x.error, RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_tasks_velocity(r.m, r.w, &p, q, NULL, size, v, &x), RBD_TASKS_ERROR);
+    ck_assert_int_eq(x.error, RBD_ERR_NULL);
+    q[3] = NAN;
+    ck_assert_int_eq(rbd_tasks_velocity(r.m, r.w, &p, q, memory, size, v, &x), RBD_TASKS_ERROR);
+    ck_assert(x.error == RBD_ERR_NAN && !strcmp(x.field, "q"));
     ck_assert_int_eq(rbd_tasks_velocity(r.m, r.w, &p, q, memory, size, v, NULL), RBD_TASKS_ERROR);
     ck_assert_int_eq(rbd_tasks_acceleration(r.m, r.w, &p, q, v, memory, size, a, NULL, tau, NULL),
                      RBD_TASKS_ERROR);
     ck_assert_uint_eq(rbd_tasks_size(NULL, &p), 0);
     ck_assert_uint_eq(rbd_tasks_size(r.m, NULL), 0);
+    for (int k = 0; k < 7; k++) {
+        rbd_task rows = {.kind = RBD_TASK_ROWS};
+        rbd_tasks out = {.task = k == 4 ? NULL : &rows, .tasks = 1, .dt = 1e-3};
+        if (k < 2) out.tasks = k ? 1001 : -1;
+        if (k == 2 || k == 3) out.contacts = k == 2 ? 1001 : -1;
+        if (k > 4) rows.rows = k == 5 ? 1001 : -1;
+        ck_assert_uint_eq(rbd_tasks_size(r.m, &out), 0);
+    }
     free(memory), robot_free(&r), robot_free(&other);
 }
 END_TEST
 
-/* A model of kinematics alone has velocities. */
+/* A model of kinematics alone has velocities, even if nothing of it has a mass. */
 START_TEST(joints_without_mass_have_velocities) {
     static const rbd_body arm[2] = {
         {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1},
@@ -1201,6 +1340,15 @@ START_TEST(joints_without_mass_have_velocities) {
     t.kind = RBD_TASK_COM;
     ck_assert_int_eq(rbd_tasks_velocity(m, w, &p, q, memory, sizeof memory, v, &x), RBD_TASKS_ERROR);
     ck_assert(x.error == RBD_ERR_MASSLESS && x.task == 0);
+
+    const rbd_body lines[2] = {{.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}}, arm[1]};
+    ck_assert_int_eq(rbd_model_build_kinematic(lines, 2, model_memory, sizeof model_memory, &m, NULL),
+                     RBD_OK);
+    ck_assert_int_eq(rbd_work_init(m, work_memory, sizeof work_memory, &w), RBD_OK);
+    t.kind = RBD_TASK_POINT;
+    status = rbd_tasks_velocity(m, w, &p, q, memory, sizeof memory, v, &x);
+    expect_answer(&x, status, RBD_TASKS_OK);
+    ck_assert(fabs(v[0] - 2) < 1e-5 && fabs(v[1] - 1) < 1e-5);
 }
 END_TEST
 
@@ -1221,7 +1369,7 @@ END_TEST
 
 START_TEST(every_status_has_a_sentence) {
     rbd_tasks_result x = {.task = -1, .contact = -1, .dof = -1};
-    char text[100], cut[6];
+    char text[100], other[100], cut[6];
     for (int status = -2; status <= 1; status++) {
         rbd_tasks_text((rbd_tasks_status)status, NULL, text, sizeof text);
         ck_assert(strlen(text) > 10 && strcmp(text, "unknown status"));
@@ -1232,12 +1380,29 @@ START_TEST(every_status_has_a_sentence) {
         ck_assert_str_eq(strstr(rbd_tasks_text(RBD_TASKS_INFEASIBLE, &x, text, sizeof text), " 3"),
                          " 3 cannot be kept");
     }
+    x.part[0] = (rbd_tasks_part)99;
+    ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_INFEASIBLE, &x, text, sizeof text), "nothing 3 cannot be kept");
+    x.part[0] = RBD_TASKS_NOTHING;
+    ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_INFEASIBLE, &x, text, sizeof text),
+                     rbd_tasks_text(RBD_TASKS_INFEASIBLE, NULL, other, sizeof other));
+
+    /* errors of tasks have sentences of their own, which do not speak of a model */
+    const rbd_status own[] = {RBD_ERR_COUNT, RBD_ERR_TYPE,   RBD_ERR_POSITION, RBD_ERR_AXIS,
+                              RBD_ERR_MASS,  RBD_ERR_LIMITS, RBD_ERR_RANGE,    RBD_ERR_NAN};
+    for (int k = 0; k < LENGTH(own); k++) {
+        x.error = own[k];
+        rbd_tasks_text(RBD_TASKS_ERROR, &x, text, sizeof text);
+        ck_assert(strlen(text) > 10 && strcmp(text, rbd_status_string(own[k])));
+    }
+
     x.error = RBD_ERR_LIMITS, x.dof = 12, x.field = "lower";
     ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, sizeof text),
                      "dof 12, field 'lower': not a number, or the lower limit is above the upper one");
     x.contact = 2;
     ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, cut, sizeof cut), "conta");
     ck_assert_ptr_null(rbd_tasks_text(RBD_TASKS_OK, NULL, NULL, 9));
+    cut[0] = 7;
+    ck_assert(rbd_tasks_text(RBD_TASKS_OK, NULL, cut, 0) == cut && cut[0] == 7);
 }
 END_TEST
 
@@ -1250,6 +1415,11 @@ Suite *tasks_suite(void) {
     tcase_add_test(c, weights_share_and_levels_do_not);
     tcase_add_test(c, a_stop_is_approached_without_a_jump);
     tcase_add_test(c, limits_come_from_model_or_problem);
+    tcase_add_test(c, zeros_and_missing_sides_are_no_limits);
+    tcase_add_test(c, forces_cost_what_the_problem_says);
+    tcase_add_test(c, a_normal_may_be_any_axis);
+    tcase_add_test(c, answers_beyond_all_measure_are_inexact);
+    tcase_add_test(c, squares_without_measure_are_an_error);
     tcase_add_test(c, a_robot_in_the_air_falls);
     tcase_add_test(c, feet_bear_the_weight);
     tcase_add_test(c, feet_push_along_their_normals);

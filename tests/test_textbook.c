@@ -102,7 +102,7 @@ END_TEST
 
 Suite *textbook_suite(void) {
     Suite *suite = suite_create("textbook");
-    TCase *c = tcase_create("reference");
+    TCase *c = tcase_create("textbook");
     tcase_set_timeout(c, 60);
     tcase_add_test(c, textbook_dynamics_match_the_reference);
     tcase_add_test(c, textbook_motion_matches_the_reference);

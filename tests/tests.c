@@ -34,10 +34,11 @@ int main(int argc, char **argv) {
     const int errors = argc > 1 && strcmp(argv[1], "--errors") == 0;
     const int contacts = argc > 1 && strcmp(argv[1], "--contacts") == 0;
     const int options = errors || contacts;
-    static char *of_contacts[] = {"contact", "contact_step", "contact_derivatives"};
+    static char *of_contacts[] = {"contact", "contact_step", "contact_energy", "contact_bounded",
+                                  "contact_derivatives"};
     SRunner *runner = srunner_create(NULL);
 
-    const char *unknown = contacts ? add_suites(runner, of_contacts, 3)
+    const char *unknown = contacts ? add_suites(runner, of_contacts, 5)
                                    : add_suites(runner, argv + 1 + options, argc - 1 - options);
     if (unknown) {
         fprintf(stderr, "tests: no suite is called '%s'\n", unknown);

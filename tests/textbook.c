@@ -1,5 +1,6 @@
 /* textbook.c - see textbook.h. Plain on purpose: this file must be obviously right. */
 #include "textbook.h"
+#include "larger.h"
 
 #include <math.h>
 #include <string.h>
@@ -531,11 +532,11 @@ int tb_invert(const tb_real *M, int n, tb_real *inverse) {
 }
 
 static tb_real norm1(const tb_real *M, int n) {
-    tb_real largest = 0;
+    double largest = 0;
     for (int j = 0; j < n; j++) {
         tb_real sum = 0;
         for (int i = 0; i < n; i++) sum += fabsl(M[i * n + j]);
-        if (sum > largest) largest = sum;
+        largest = larger(largest, (double)sum);
     }
     return largest;
 }

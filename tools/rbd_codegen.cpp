@@ -32,7 +32,9 @@ const char help[] =
     "--stances, --short-sums and --reproducible.\n"
     "  --name NAME         what files, functions and constants begin with (the file's name)\n"
     "  --output FOLDER     where to write (here)\n"
-    "  --algorithm LIST    which functions, with commas between (id,mm,fd; or rnea,crba,aba); there are\n";
+    "  --algorithm LIST    which functions, with commas between (id,mm,fd; or rnea,crba,aba); of a link "
+    "with a comma\n"
+    "                      in quotes, as in a table (id,\"pose:left, foot\"); there are\n";
 const char help_more[] =
     "\n"
     "  --constraints FILE  of constrained, impact, constrained_id, delta: table of contacts and loops, as "
@@ -84,8 +86,9 @@ bool is_identifier(const std::string &s) {
     return true;
 }
 
-/* NAME, or NAME:LINK where it is a link's. */
-int check_algorithm(const std::string &given) {
+/* NAME, or NAME:LINK where it is a link's. before: the word of the list before it, whose link may have a
+   comma. */
+int check_algorithm(const std::string &given, const std::string &before) {
     const std::string name = given.substr(0, given.find(':'));
     const bool has_link = name != given;
     nearest n = nearest_to(name.c_str());
@@ -101,6 +104,9 @@ int check_algorithm(const std::string &given) {
     if (is_known) return 0;
     if (*n.best)
         return usage_error("--algorithm: there is no '%s'; did you mean '%s'?", name.c_str(), n.best);
+    if (before.find(':') != std::string::npos)
+        return usage_error("--algorithm: there is no '%s'; a link with a comma stands in quotes: '\"%s,%s\"'",
+                           given.c_str(), before.c_str(), given.c_str());
     return usage_error("--algorithm: there is no '%s'", name.c_str());
 }
 
@@ -109,12 +115,35 @@ std::string own_name(const std::string &name) {
     return name == "rnea" ? "id" : name == "crba" ? "mm" : name == "aba" ? "fd" : name;
 }
 
+/* The words of a list with commas between, without their quotes. False: a quote is not closed, or something
+   follows it. */
+bool split(const std::string &list, std::vector<std::string> *words) {
+    for (size_t at = 0; at <= list.size(); at++) {
+        std::string word;
+        if (at == list.size() || list[at] != '"') {
+            const size_t end = std::min(list.find(',', at), list.size());
+            word = list.substr(at, end - at);
+            at = end;
+        } else {
+            for (at++; at < list.size() && (list[at] != '"' || list[at + 1] == '"'); at++) {
+                at += list[at] == '"'; /* two stand for one */
+                word += list[at];
+            }
+            if (at == list.size() || (++at < list.size() && list[at] != ',')) return false;
+        }
+        words->push_back(word);
+    }
+    return true;
+}
+
 int read_algorithms(options *o, const char *list) {
-    std::string rest = std::string(list) + ",";
+    std::vector<std::string> words;
+    if (!split(list, &words))
+        return usage_error("--algorithm: a quote is not closed, or something follows it: %s", list);
     o->algorithms.clear();
-    for (size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {
-        const std::string name = own_name(rest.substr(0, comma));
-        if (check_algorithm(name) != 0) return EXIT_USAGE;
+    for (size_t k = 0; k < words.size(); k++) {
+        const std::string name = own_name(words[k]);
+        if (check_algorithm(name, k > 0 ? words[k - 1] : "") != 0) return EXIT_USAGE;
         for (const std::string &x : o->algorithms) {
             const std::string in_c = codegen::name_in_c(name);
             if (x == name) return usage_error("--algorithm: '%s' stands twice", name.c_str());

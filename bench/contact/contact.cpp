@@ -6,6 +6,7 @@
 #include <cstring>
 #include <ctime>
 #include <functional>
+#include "../../tests/larger.h"
 #include "../timing/least.h"
 #include "simulations.hpp"
 #ifdef CONTACT_VALGRIND
@@ -78,7 +79,7 @@ outcome judge(const scene &s, const setting &o, double h) {
         must(rbd_com(r.m, r.w, now.p, now.v, nullptr), "com");
         for (const rbd_contact &c : s.contacts) {
             const double gap = gap_of(r, c);
-            out.deepest = std::max(out.deepest, -gap), sum += gap;
+            out.deepest = larger(out.deepest, -gap), sum += gap;
             touches = touches || gap < 1e-3;
         }
         out.hover = sum / (double)s.contacts.size();
@@ -123,8 +124,7 @@ double flight_difference(scene s, const setting &o) {
     }
     double worst = 0;
     for (size_t k = 0; k < end[0].size(); k++) {
-        const double difference = std::fabs(end[0][k] - end[1][k]);
-        if (!(difference <= worst)) worst = difference; // keeps what is not a number
+        worst = larger(worst, std::fabs(end[0][k] - end[1][k]));
     }
     return worst;
 }

@@ -4,6 +4,7 @@
    holds at once; the faster counts. SPDX-License-Identifier: MIT */
 #include "grid.cuh"
 
+#include "../../tests/larger.h"
 #include "device.h"
 #include "report.h"
 #include "states.h"
@@ -86,8 +87,8 @@ template <class Call> double error_of_state(int i, const float *result) {
     Call::expect(x, expected);
     for (int k = 0; k < Call::SIZE; ++k) {
         const double difference = std::fabs((double)result[k] - expected[k]);
-        largest = std::fmax(largest, std::fabs(expected[k]));
-        if (!(difference <= error)) error = difference;
+        largest = larger(largest, std::fabs(expected[k]));
+        error = larger(error, difference);
     }
     return error / largest;
 }
@@ -117,7 +118,7 @@ bool run(const options &o, const float *state, const float *a, const grid_model 
     to_host(host.data(), result, host.size() * sizeof(float));
     for (int i = 0; i < CHECKED; ++i) {
         const double own = error_of_state<Call>(i, &host[(size_t)i * Call::SIZE]);
-        if (!(own <= error)) error = own;
+        error = larger(error, own);
     }
     const bool right = error < 1e-2;
     for (int n = o.least_states; n <= o.most_states; n *= 4) {

@@ -5,6 +5,7 @@
 
 #include CODE_HEADER
 
+#include "../../tests/larger.h"
 #include "device.h"
 #include "report.h"
 #include "states.h"
@@ -128,8 +129,8 @@ template <class S> double relative_error(const S *x, const double *expected, int
     double error = 0;
     for (int k = 0; k < size; ++k) {
         const double difference = std::fabs((double)x[k] - expected[k]);
-        largest = std::fmax(largest, std::fabs(expected[k]));
-        if (!(difference <= error)) error = difference;
+        largest = larger(largest, std::fabs(expected[k]));
+        error = larger(error, difference);
     }
     return error / largest;
 }
@@ -245,7 +246,7 @@ template <class L, class... A> class kernel_calls {
             for (int k = 0; k < COUNT; ++k) {
                 if (is_read[k] || is_status[k]) continue;
                 const double own = relative_error(&rows[k][(size_t)i * (size_t)size[k]], x[k], size[k]);
-                if (!(own <= worst)) worst = own;
+                worst = larger(worst, own);
             }
         }
         return statuses_are_zero(n, count) ? worst : INFINITY;
@@ -281,7 +282,7 @@ bool measure(const options &o, const char *algorithm, const char *layout, void (
         const int slices = slices_of(n, calls.bytes_a_state());
         calls.prepare(n, slices);
         const double own = calls.error(n, reference);
-        if (!(own <= error)) error = own;
+        error = larger(error, own);
         right = error <= tolerance;
         const double seconds =
             median_seconds(o.groups, o.least_seconds, [&](int k) { calls(n, (size_t)(k % slices)); });

@@ -1,5 +1,6 @@
 /* Errors of rounding: results against those of another library, from the same input.
    SPDX-License-Identifier: MIT */
+#include "../../tests/larger.h"
 #include "../bench.h"
 #include <math.h>
 
@@ -42,7 +43,7 @@ static rbd_status result_error(const struct row *row, const struct instance *arb
     rbd_status status = algorithm_run(row->algorithm, arbiter, w, &arbiter->input, 0, 1);
     if (status != RBD_OK) return status;
     take_result(row, k, out, place);
-    *error = fmax(*error, arbiter->library->relative_error(r->numbers, w->out, n));
+    *error = larger(*error, arbiter->library->relative_error(r->numbers, w->out, n));
     return RBD_OK;
 }
 
@@ -72,7 +73,7 @@ static int measure_row(struct row *row, int samples) {
         rbd_status status = block_error(row, &r->instances[QUAD], k, count, &error);
         if (status != RBD_OK)
             return row_error(row, "random states from %d on, against quad: %s", k, rbd_status_string(status));
-        row->quad_error = fmax(row->quad_error, error);
+        row->quad_error = larger(row->quad_error, error);
     }
     return 0;
 }

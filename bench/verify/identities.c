@@ -1,6 +1,7 @@
 /* Identities that the results of random states must satisfy. SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>
+#include "../../tests/larger.h"
 #include "check.h"
 #include "rbd_constraints.h"
 #include "rbd_derivatives.h"
@@ -36,8 +37,8 @@ double expected_condition(struct check *c, int samples) {
     const ref_model *reference = c->robot->reference;
     double worst = 1;
     for (int i = 0; reference && i < reference->nstates; i++)
-        worst = fmax(worst, reference->states[i].cond_M);
-    for (int k = 0; !reference && k < samples && k < 10; k++) worst = fmax(worst, sample_condition(c, k));
+        worst = larger(worst, reference->states[i].cond_M);
+    for (int k = 0; !reference && k < samples && k < 10; k++) worst = larger(worst, sample_condition(c, k));
     return condition_margin * worst;
 }
 
@@ -267,8 +268,8 @@ static void take_sum(struct vanishing *x, double first, const double *a, int str
         sum += a[k * stride] * b[k];
         terms += fabs(a[k * stride] * b[k]);
     }
-    x->sum = fmax(x->sum, isfinite(sum) ? fabs(sum) : HUGE_VAL);
-    x->largest = fmax(x->largest, terms);
+    x->sum = larger(x->sum, fabs(sum));
+    x->largest = larger(x->largest, terms);
 }
 
 /* J a + gamma = 0, and tau + J' lambda = M a + c, which inverse dynamics gives. */

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../../tests/larger.h"
 #include "check.h"
 
 /* How many of the random states the identities are checked on. */
@@ -25,7 +26,7 @@ int check_fail(const struct check *c, const char *what) {
 }
 
 int check_accept(struct check *c, const char *what, double error, double bound) {
-    c->max_error = fmax(c->max_error, error);
+    c->max_error = larger(c->max_error, error);
     if (error <= bound) return 0;
     char text[160];
     snprintf(text, sizeof text, "%s: relative error %.2g, bound %.2g", what, error, bound);
@@ -207,7 +208,7 @@ static int verify_judges(struct row *rows, int n, int check(struct check *c, int
         if (verify_row(&r, check, samples) != 0) return -1;
         for (int k = i; k < n; k++)
             if (rows[k].instance == r.instance && rows[k].algorithm == r.algorithm)
-                rows[k].max_error = fmax(rows[k].max_error, r.max_error);
+                rows[k].max_error = larger(rows[k].max_error, r.max_error);
     }
     return 0;
 }

@@ -23,7 +23,8 @@ mkdir -p "$scratch/pages/extra/licences"
 for package in libjs-katex fonts-katex furo node-normalize.css sphinx-common; do
     [ ! -f "/usr/share/doc/$package/copyright" ] || cp "/usr/share/doc/$package/copyright" "$scratch/pages/extra/licences/$package.txt"
 done
-RBD_ROOT=$root python3 -m sphinx -q -b html -d "$scratch/trees" "$@" "$scratch/pages" "$scratch/site"
+# Without the collector of cycles, which takes a third of the time and finds little.
+RBD_ROOT=$root python3 -c 'import gc, runpy; gc.disable(); runpy.run_module("sphinx", run_name="__main__")' -q -b html -d "$scratch/trees" "$@" "$scratch/pages" "$scratch/site"
 python3 "$here/theme.py" "$scratch/site"
 python3 "$here/search_index.py" "$scratch/site" >/dev/null
 rm -f "$scratch/site/objects.inv" "$scratch/site/.buildinfo"

@@ -678,21 +678,28 @@ def coloured(path, text):
     return page.replace("</head>", f"<style>@media (prefers-color-scheme: dark) {{ {dark} }}</style>{STYLE}</head>")
 
 
+def plain(path, text):
+    """The same without colours."""
+    return ("<!doctype html><meta charset=utf-8><title>" + html.escape(path) + "</title>" + STYLE + "<pre>" + "\n".join(
+        f'<a id="L{k}"></a>{html.escape(line)}' for k, line in enumerate(text.split("\n"), 1)) + "</pre>")
+
+
 def write_file(path, folder):
-    """A copy of a file, or a page with its text and its lines as anchors."""
+    """A copy of a file, or a page with its text and its lines as anchors. With RBD_COLOURS=no in the environment long
+    ones are without colours, which take five seconds."""
     whole = folder / "files" / path
     whole.parent.mkdir(parents=True, exist_ok=True)
     data = (ROOT / path).read_bytes()
     if path.endswith((".png", ".svg")):
         whole.write_bytes(data)
         return
+    text = data.decode(errors="replace")
     try:
-        text = coloured(path, data.decode())
+        quick = os.environ.get("RBD_COLOURS") == "no" and len(text) > 10000
+        page = plain(path, text) if quick else coloured(path, text)
     except Exception:  # no lexer for such a file
-        lines = data.decode(errors="replace").split("\n")
-        text = "<!doctype html><meta charset=utf-8><title>" + html.escape(path) + "</title>" + STYLE + "<pre>" + "\n".join(
-            f'<a id="L{k}"></a>{html.escape(line)}' for k, line in enumerate(lines, 1)) + "</pre>"
-    (whole.parent / (whole.name + ".html")).write_text(text)
+        page = plain(path, text)
+    (whole.parent / (whole.name + ".html")).write_text(page)
 
 
 def write(folder):

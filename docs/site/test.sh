@@ -30,7 +30,7 @@ names)
 pages)
     /usr/bin/python3 -c 'import sphinx, furo, myst_parser, numpy' && [ -f /usr/share/javascript/katex/katex.min.js ] ||
         { echo "Sphinx, furo, MyST, numpy or KaTeX is not installed"; exit 77; }
-    PYTHONDONTWRITEBYTECODE=1 RBD_PLAYGROUND=no "$here/build.sh" "$scratch/site" -W --keep-going
+    PYTHONDONTWRITEBYTECODE=1 RBD_PLAYGROUND=no RBD_COLOURS=no "$here/build.sh" "$scratch/site" -W --keep-going
     python3 -B "$here/links.py" "$scratch/site"
     python3 -B "$here/anchors.py" "$scratch/site"
     ! command -v node >/dev/null || node "$here/search_test.js" "$scratch/site/_static/search_index.js"
@@ -59,7 +59,7 @@ gpu) # the C++ of the guide to GPUs, as a C++ compiler sees it: kernels are loop
         [ -s "$scratch/guide_$number.h" ]
     done
     # shellcheck disable=SC2086 # CXX may be "ccache c++"
-    ${CXX:-c++} -std=c++11 -Og -Dalways_inline=unused -Wall -Wextra -Werror -Wno-unused-parameter -I. -I"$scratch" \
+    ${CXX:-c++} -std=c++11 -O0 -Dalways_inline=unused -Wall -Wextra -Werror -Wno-unused-parameter -I. -I"$scratch" \
         docs/site/gpu_guide.cpp -o "$scratch/program"
     "$scratch/program"
     ;;

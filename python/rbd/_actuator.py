@@ -2,6 +2,7 @@
 """Motors, drives, gears and transmissions: rbd_actuator.h."""
 from __future__ import annotations
 
+import copy
 import ctypes
 import math
 from dataclasses import dataclass, fields
@@ -153,6 +154,11 @@ def _fill(given, row, where):
             setattr(row, name, _number(where, name, value))
 
 
+def _listed(names, most=8):
+    """Names in quotes; of many the first ones."""
+    return ", ".join(f"'{name}'" for name in names[:most]) + ", ..." * (len(names) > most)
+
+
 def _transmission(given, row, where):
     """Writes a Transmission into a C struct."""
     if not isinstance(given, Transmission):
@@ -186,8 +192,8 @@ class Actuators(_Declared):
         q, v = arm.step(q, v, dt=1e-3, torque=drives.torque) # of a simulation
 
     docs/actuators.md leads from a data sheet to a table. The states of the shafts are those after the last step;
-    `reset` begins anew. A copy, or what was pickled, has the tables alone: its shafts are at rest at angle 0, call
-    `reset`."""
+    `reset` begins anew. Motors that you change after they were given change nothing. A copy, or what was pickled, has the
+    tables alone: its shafts are at rest at angle 0, call `reset`."""
     model: Model
     motors: Sequence[Motor]
     transmissions: Sequence[Transmission]
@@ -196,7 +202,7 @@ class Actuators(_Declared):
 
     def __init__(self, model: Model, motors: Iterable[Motor], transmissions: Iterable[Transmission] = ()):
         self.model, self.library, self._lock = model, model.library, model._lock
-        self.motors, self.transmissions = list(motors), list(transmissions)
+        self.motors, self.transmissions = copy.deepcopy((list(motors), list(transmissions)))  # copies are built of these
         self.n, scalar = len(self.motors), self.library.scalar
         self._rows = (structure("rbd_motor", scalar) * max(self.n, 1))()
         self._groups = (structure("rbd_transmission", scalar) * max(len(self.transmissions), 1))()
@@ -223,12 +229,33 @@ class Actuators(_Declared):
             call("actuators_finding_text", report.error, self.n, text, ctypes.c_size_t(len(text)), result=ctypes.c_void_p)
             raise RbdError(Status(status), f"actuators: {text.value.decode(errors='replace')}")
 
+    def __repr__(self):
+        return f"<rbd.Actuators, {self.n} motors of {self.model!r}>"
+
     def __reduce__(self):
         return Actuators, (self.model, self.motors, self.transmissions)
 
     def _state(self, call, name, value, width):
-        """One state's array; None for a v of zero."""
-        return None if value is None else _numbers(call, name, value, (width,), self.library.dtype)
+        """One state's array; None for a v of zero. One of another length is of another robot."""
+        if value is None:
+            return None
+        length = len(value) if hasattr(value, "__len__") and not isinstance(value, (str, bytes)) else width
+        if length != width:
+            raise ValueError(f"{call}: {name} has {length} numbers, but these actuators are of a robot with {width}: its "
+                             f"degrees of freedom are {_listed(self.model.dof_names)}")
+        return _numbers(call, name, value, (width,), self.library.dtype)
+
+    def _same_robot(self, contacts):
+        """The contacts of a step are of this robot: their model may be a copy."""
+        if contacts.model is self.model:
+            return
+        mine, theirs = self.model.dof_names, contacts.model.dof_names
+        if mine != theirs:
+            raise ValueError(f"step: contacts are of another robot, with the degrees of freedom {_listed(theirs)}; those of "
+                             f"these actuators are {_listed(mine)}")
+        if self.library.real != contacts.library.real:
+            raise ValueError(f"step: contacts are of a model in {contacts.library.real}, these actuators of one in "
+                             f"{self.library.real}")
 
     def _checked(self, call, status):
         """Raises the error of a call."""
@@ -284,6 +311,8 @@ class Actuators(_Declared):
             f_ext      nb x 6: external wrenches; None = none
             contacts   the ContactSet that makes the step; None: Model.free_step"""
         call, model, dtype = self.library.call, self.model, self.library.dtype
+        if contacts is not None:
+            self._same_robot(contacts)
         q, v = self._state("step", "q", q, model.nq), self._state("step", "v", v, model.nv)
         more = np.zeros(model.nv, dtype) if tau is None else self._state("step", "tau", tau, model.nv)
         commands = (structure("rbd_command", self.library.scalar) * self.n)()

@@ -181,6 +181,17 @@ def _rows(bodies):
     return rows
 
 
+class _Table(list):
+    """Rows of a C table, which has the robot's name in that of its array."""
+
+    def __init__(self, rows, array):
+        super().__init__(rows)
+        self.name = re.sub("_bodies$", "", array)
+
+    def __reduce__(self):
+        return list, (list(self),)
+
+
 def load_table(path: str | os.PathLike[str], name: str | None = None) -> list[Body]:
     """The description in a C table, as rbd-model writes it and models/ has it: a list of Body. A table with
     more C in it is compiled.
@@ -203,9 +214,9 @@ def load_table(path: str | os.PathLike[str], name: str | None = None) -> list[Bo
     array = name or arrays[0]
     plain = _plain_rows(text, array)
     if plain:
-        return [_from_c(row) for row in plain]
+        return _Table([_from_c(row) for row in plain], array)
     unit = (f'#include "rbd.h"\n{text}\nconst rbd_body *const table = {array};\n'
             f"const int length = sizeof {array} / sizeof *{array};\n")
     library = _compile([unit], [*_c_compiler(), f"-I{path.parent}"])
     pointer = ctypes.POINTER(structure("rbd_body")).in_dll(library, "table")
-    return [_from_c(pointer[k]) for k in range(ctypes.c_int.in_dll(library, "length").value)]
+    return _Table([_from_c(pointer[k]) for k in range(ctypes.c_int.in_dll(library, "length").value)], array)

@@ -70,7 +70,9 @@ class Observer(_Kept):
     friction  nv x 3: coulomb, viscous, offset; None = none. `observer.friction` may be changed between steps
     share     of the friction that may be wrong, 0 to 1
     least     N m: of the band, for what the model and the sensors lack
-    slow      rad/s or m/s: a slower degree of freedom counts as at rest; 0 = 0.02"""
+    slow      rad/s or m/s: a slower degree of freedom counts as at rest; 0 = 0.02
+
+    A copy, or what was pickled, has the options and the friction: its next step begins anew, as after `reset`."""
 
     friction: Array     #: nv x 3: coulomb, viscous, offset, as the next step takes it
 
@@ -79,11 +81,15 @@ class Observer(_Kept):
         real = model.library.dtype
         self.friction = np.zeros((model.nv, 3), real) if friction is None else _numbers(
             "Observer", "friction", friction, (model.nv, 3), real).copy()
-        self._used = self.friction.copy()
+        self._used, self._options = self.friction.copy(), (gain, share, least, slow)
         options = structure("rbd_observer_options", model.library.scalar)(
             _number("Observer", "gain", gain), _number("Observer", "slow", slow), _number("Observer", "share", share),
             _number("Observer", "least", least), self._used.ctypes.data)
         super().__init__(model, "observer", options)
+
+    def __reduce__(self):
+        gain, *others = self._options
+        return Observer, (self.model, gain, self.friction, *others)
 
     def step(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, dt: float) -> Felt:
         """One tick: q and v at its end, tau of the motors in it. The first one begins, with r = 0."""
@@ -108,10 +114,12 @@ class Estimator(_Kept):
     mass        kg: as heavy as a payload may be; 0 = 5, and so on: defaults of rbd_estimate_options
     reach       m: as far as it may be from the body's origin; 0 = 0.2
     friction    N m, N m s/rad: as large as friction and offset may be; 0 = 100
-    forgetting  what a sample leaves of the weight of those before, above 0.5, at most 1; 0 = 0.998
+    forgetting  what a sample leaves of the weight of those before, 0.5 to 1; 0 = 0.998
     slow        rad/s or m/s: a slower degree of freedom tells nothing; 0 = 0.03
     noise       nv, N m: standard deviations of tau; None = 0.1
-    left_out    nv: 1 where tau is not known; None = none"""
+    left_out    nv: 1 where tau is not known; None = none
+
+    It cannot be copied or pickled: what it has learnt stays where it is."""
 
     def __init__(self, model: Model, body: int | str | None = None, mass: float = 0.0, reach: float = 0.0,
                  friction: float = 0.0, forgetting: float = 0.0, slow: float = 0.0, noise: ArrayLike | None = None,
@@ -124,6 +132,10 @@ class Estimator(_Kept):
         options = structure("rbd_estimate_options", model.library.scalar)(
             *numbers, None if sure is None else sure.ctypes.data, None if flags is None else flags.ctypes.data)
         super().__init__(model, "estimate", index, options)
+
+    def __reduce__(self):
+        raise TypeError("Estimator: it cannot be copied or pickled, since what it has learnt would be lost; make another with "
+                        "the same options")
 
     def add(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike) -> None:
         """Takes in one sample: tau of the motors at a state and its acceleration."""

@@ -2,7 +2,8 @@
 """Identification of a robot from logged trajectories: the algebra. rbd-identify reads and writes files by _identifying."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -26,14 +27,15 @@ class Log(_Declared):
     tau: np.ndarray     #: N m or N, of the motors
     steady: np.ndarray | None = None  #: flags: not where a joint turns back within the filter's window; None: all
     together: float = 1     #: how many samples have one noise: the filter spreads it
+    without: list = field(default_factory=list)  #: names of joints whose torque is not known
 
 
 @dataclass
 class Identified(_Declared):
     """What a log tells of a robot."""
     joints: list            #: names
-    friction: np.ndarray    #: joints x 3: coulomb, viscous, offset
-    friction_deviation: np.ndarray
+    friction: np.ndarray    #: joints x 3: coulomb, viscous, offset; of a joint whose torque is not known as described
+    friction_deviation: np.ndarray  #: infinite of what the log does not tell, as base_deviation
     base_names: list        #: sums of parameters that torques can tell
     base: np.ndarray        #: their values
     base_deviation: np.ndarray  #: standard deviations
@@ -76,15 +78,28 @@ def steady(v, window):
     return np.abs(views.sum(axis=2)) == 2 * half + 1
 
 
-def friction_rows(v):
-    """Rows of coulomb, viscous and offset of each joint: samples x joints x 3 joints."""
-    n, joints = v.shape
-    rows = np.zeros((n, joints, joints, 3))
-    for i in range(joints):
-        rows[:, i, i, 0] = np.sign(v[:, i])
-        rows[:, i, i, 1] = v[:, i]
-        rows[:, i, i, 2] = 1
-    return rows.reshape(n, joints, 3 * joints)
+def friction_rows(v, joints):
+    """Rows of coulomb, viscous and offset of these joints: samples x dofs x 3 joints."""
+    n, dofs = v.shape
+    rows = np.zeros((n, dofs, len(joints), 3))
+    for k, i in enumerate(joints):
+        rows[:, i, k, 0] = np.sign(v[:, i])
+        rows[:, i, k, 1] = v[:, i]
+        rows[:, i, k, 2] = 1
+    return rows.reshape(n, dofs, 3 * len(joints))
+
+
+def described_parameters(model):
+    return np.array([model.body_parameters(body) for body in range(model.nb)])
+
+
+def described_friction(model):
+    """Coulomb, viscous and offset of each joint."""
+    friction, joints = np.zeros((model.nv, 3)), list(model.dof_names)
+    for body in map(model.describe, range(model.nb)):
+        if body.joint in joints:
+            friction[joints.index(body.joint), :2] = np.atleast_1d(body.friction)[0], np.atleast_1d(body.damping)[0]
+    return friction
 
 
 def structure_of(model, seed=1):
@@ -128,8 +143,22 @@ def told(log, slow):
 def known_torque(model, log):
     """The part of the torques that no parameter has: that of rotors."""
     Y = model.regressor(log.q, log.v, log.a)
-    pi = np.concatenate([model.body_parameters(body) for body in range(model.nb)])
+    pi = described_parameters(model).reshape(-1)
     return model.rnea(log.q, log.v, log.a) - Y @ pi, Y, pi
+
+
+def scale_of(described, v, torque):
+    """Least squares of factor described + coulomb sign(v) + viscous v + offset = torque, where the first three are 0 or more:
+    the factor, coulomb + viscous, and the standard deviation of what is left."""
+    columns = np.stack([described, np.sign(v), v, np.ones_like(v)], axis=1)
+    best = 0.0, 0.0, float(np.std(torque))
+    for chosen in itertools.product((False, True), repeat=3):
+        x, use = np.zeros(4), np.append(chosen, True)
+        x[use] = np.linalg.lstsq(columns[:, use], torque, rcond=None)[0]
+        left = float(np.std(torque - columns @ x))
+        if (x[:3] >= 0).all() and left < best[2]:
+            best = x[0], x[1] + x[2], left
+    return best
 
 
 def least_squares(A, b, weight):
@@ -144,37 +173,46 @@ def least_squares(A, b, weight):
 def identify(model, log, slow=0.02):
     """Friction, base parameters with their deviations, and a physical model. slow: rad/s; a joint that is slower
     tells nothing, because friction hides what holds it."""
-    joints = model.nv
+    joints = [i for i, name in enumerate(model.dof_names) if name not in log.without]
     rotors, Y, before = known_torque(model, log)
     independent, combinations = structure_of(model)
     names = [base_name(model, row) for row in combinations]
-    A = np.concatenate([Y[:, :, independent], friction_rows(log.v)], axis=2)
+    A = np.concatenate([Y[:, :, independent], friction_rows(log.v, joints)], axis=2)
     moves = told(log, slow)
-    for i in np.flatnonzero(moves.sum(axis=0) < 20):
-        raise IdentifyError(f"joint '{model.dof_names[i]}' moves faster than {slow} rad/s in {moves[:, i].sum()} samples "
-                            "only: not enough to tell its friction")
+    for i in joints:
+        if moves[:, i].sum() < 20:
+            name = model.dof_names[i]
+            raise IdentifyError(f"joint '{name}' moves faster than {slow} rad/s in {moves[:, i].sum()} samples only: not enough to "
+                                f"tell its friction. If it stood still: --without '{name}'")
 
     # the noise of each joint is what is left of it: a first pass takes one for all, then it settles
     rows, left = A[moves], (log.tau - rotors)[moves]
-    joint = np.broadcast_to(np.arange(joints), moves.shape)[moves]
-    noise = np.ones(joints)
+    joint = np.broadcast_to(np.arange(model.nv), moves.shape)[moves]
+    noise = np.ones(model.nv)
     for _ in range(4):
         x, covariance = least_squares(rows, left, 1 / noise[joint])
         rest = left - rows @ x
-        noise = np.array([max(np.sqrt(np.mean(rest[joint == i] ** 2)), 1e-9) for i in range(joints)])
-    base, deviation = x[:len(independent)], np.sqrt(np.maximum(np.diag(covariance), 0) * log.together)
-    unknown = not_told(rows / noise[joint][:, None], len(independent), names, model)
-    friction = x[len(independent):].reshape(joints, 3)
+        noise[joints] = [max(np.sqrt(np.mean(rest[joint == i] ** 2)), 1e-9) for i in joints]
+    unknown = not_told(rows / noise[joint][:, None], names + friction_names(model, joints))
+    deviation = np.sqrt(np.maximum(np.diag(covariance), 0) * log.together)
+    deviation[[name in unknown for name in names + friction_names(model, joints)]] = np.inf
 
-    parameters, friction = physical(model, before, Y, log, rotors, moves, noise, friction)
-    return Identified(list(model.dof_names), friction, deviation[len(independent):].reshape(joints, 3), names, base,
-                      deviation[:len(independent)], combinations @ before, parameters, noise, unknown)
+    count, friction, friction_deviation = len(independent), described_friction(model), np.full((model.nv, 3), np.inf)
+    friction_deviation[joints] = deviation[count:].reshape(-1, 3)
+    friction[joints] = x[count:].reshape(-1, 3)
+    parameters, friction[joints] = physical(model, before, Y, log, rotors, moves, noise, friction[joints], joints)
+    noise[[i for i in range(model.nv) if i not in joints]] = np.inf
+    return Identified(list(model.dof_names), friction, friction_deviation, names, x[:count], deviation[:count],
+                      combinations @ before, parameters, noise, unknown)
 
 
-def not_told(rows, count, names, model):
-    """The unknowns that the log does not tell from each other, by name."""
+def friction_names(model, joints):
+    return [f"{what} of '{model.dof_names[i]}'" for i in joints for what in FRICTION]
+
+
+def not_told(rows, words):
+    """The unknowns that the log does not tell from each other, of these names."""
     scale = np.linalg.norm(rows, axis=0)
-    words = names + [f"{what} of '{joint}'" for joint in model.dof_names for what in FRICTION]
     silent = [words[k] for k in np.flatnonzero(scale <= 1e-9 * scale.max())]
     scale[scale <= 0] = 1
     sizes, directions = np.linalg.eigh((rows / scale).T @ (rows / scale))
@@ -214,18 +252,18 @@ def barrier(pi):
     return -np.trace(W, axis1=1, axis2=2), np.einsum("iab,jba->ij", W, W)
 
 
-def physical(model, before, Y, log, rotors, moves, noise, friction):
-    """Parameters of all bodies and friction that exist: the least squares of the log, and of the distance from the
+def physical(model, before, Y, log, rotors, moves, noise, friction, joints):
+    """Parameters of all bodies and friction of these joints that exist: the least squares of the log, and of the distance from the
     description, inside the cone of pseudo-inertias. The distance is a share of each body, P0^-1 (P - P0), of which SPREAD
     counts as a standard deviation (Lee, Wensing and Park 2020). So what the log does not tell stays as described."""
     bodies = [k for k in range(model.nb) if is_inside(before[10 * k:10 * k + 10])]
     columns = np.concatenate([np.arange(10 * k, 10 * k + 10) for k in bodies]).astype(int)
-    n, joints = len(columns), model.nv
+    n = len(columns)
     others = np.setdiff1d(np.arange(10 * model.nb), columns)
-    A = np.concatenate([Y[:, :, columns], friction_rows(log.v)], axis=2)
+    A = np.concatenate([Y[:, :, columns], friction_rows(log.v, joints)], axis=2)
     weight = (moves / noise)[:, :, None]
     b = (log.tau - rotors - Y[:, :, others] @ before[others]) * weight[:, :, 0]
-    A = (A * weight).reshape(-1, n + 3 * joints)
+    A = (A * weight).reshape(-1, n + 3 * len(joints))
     H, g = A.T @ A, A.T @ b.reshape(-1)
     for at, k in enumerate(bodies):
         part = slice(10 * at, 10 * at + 10)
@@ -233,11 +271,11 @@ def physical(model, before, Y, log, rotors, moves, noise, friction):
         H[part, part] += metric
         g[part] += metric @ before[10 * k:10 * k + 10]
     x = np.concatenate([before[columns], np.maximum(friction, [[1e-3, 1e-3, -np.inf]]).reshape(-1)])
-    kept = np.array([n + 3 * i + j for i in range(joints) for j in (0, 1)])
+    kept = np.array([n + 3 * i + j for i in range(len(joints)) for j in (0, 1)], int)
     x = descend(H, g, x, len(bodies), kept)
     parameters = before.copy()
     parameters[columns] = x[:n]
-    return parameters.reshape(-1, 10), x[n:].reshape(joints, 3)
+    return parameters.reshape(-1, 10), x[n:].reshape(-1, 3)
 
 
 def descend(H, g, x, bodies, kept):
@@ -271,4 +309,4 @@ def predict(model, parameters, friction, log):
     """Torques of motors by a model and its friction."""
     rotors, Y, _ = known_torque(model, log)
     n = len(log.q)
-    return rotors + Y @ parameters.reshape(-1) + (friction_rows(log.v) @ friction.reshape(-1)).reshape(n, -1)
+    return rotors + Y @ parameters.reshape(-1) + (friction_rows(log.v, range(model.nv)) @ friction.reshape(-1)).reshape(n, -1)

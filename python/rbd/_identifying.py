@@ -8,169 +8,20 @@ from __future__ import annotations
 
 import argparse
 import csv
-import difflib
 import math
 import sys
 import xml.etree.ElementTree as ET
+from html import escape
 from pathlib import Path
 
 import numpy as np
 
 from . import Model, RbdError, load_urdf
 from ._descriptions import Body
-from ._headers import JointType
-from ._identify import (FRICTION, Identified, IdentifyError, Log, identify, predict, smooth, steady, together, told)
+from ._identify import FRICTION, Identified, IdentifyError, Log, described_friction, described_parameters, identify, predict, told
+from ._identify_log import Reading, part, read_log
 
-__all__ = ["IdentifyError", "Identified", "Log", "identify", "main", "predict", "read_log"]
-KINDS = ("q", "v", "tau", "current")
-
-
-# ---- logs ----
-
-def read_rows(path):
-    """The rows of a CSV file that have something in them, and the line of each."""
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            rows = [(row, reader.line_num) for row in reader if any(cell.strip() for cell in row)]
-    except UnicodeDecodeError:
-        raise IdentifyError(f"{path}: it is no text in UTF-8: save it as CSV in UTF-8") from None
-    except csv.Error as error:
-        raise IdentifyError(f"{path}: it is no CSV: {error}") from None
-    if len(rows) < 2:
-        raise IdentifyError(f"{path}: no samples: a header and a row for each sample are needed")
-    return [row for row, _ in rows], [line for _, line in rows]
-
-
-def read_columns(path):
-    """The columns of a CSV file by name, as numbers; and the row of the file in which each sample stands."""
-    rows, lines = read_rows(path)
-    header = [name.strip() for name in rows[0]]
-    for mark in ";\t" if len(header) == 1 else "":
-        if mark in header[0]:
-            raise IdentifyError(f"{path}, row {lines[0]}: columns are parted by {mark!r}: part them by commas, and write numbers with a "
-                                "point")
-    values = np.empty((len(rows) - 1, len(header)))
-    for sample, (row, line) in enumerate(zip(rows[1:], lines[1:])):
-        if len(row) != len(header):
-            raise IdentifyError(f"{path}, row {line}: {len(row)} values, but the header has {len(header)} columns")
-        for at, (name, word) in enumerate(zip(header, row)):
-            try:
-                values[sample, at] = float(word)
-            except ValueError:
-                raise IdentifyError(f"{path}, row {line}, column '{name}': '{word}' is no number") from None
-            if not math.isfinite(values[sample, at]):
-                raise IdentifyError(f"{path}, row {line}, column '{name}': {word} is not finite")
-    twice = [name for name in header if header.count(name) > 1]
-    if twice:
-        raise IdentifyError(f"{path}: column '{twice[0]}' stands twice")
-    return dict(zip(header, values.T)), lines[1:]
-
-
-def name_hint(word, known):
-    near = difflib.get_close_matches(word, known, 1)
-    return f": did you mean '{near[0]}'?" if near else ""
-
-
-def check_names(path, columns, joints):
-    """All columns are time, or a kind and a joint; each joint has a position and a torque or current."""
-    known = ["time"] + [f"{kind}:{joint}" for kind in KINDS for joint in joints]
-    for name in columns:
-        if name in known:
-            continue
-        kind, _, joint = name.partition(":")
-        near = difflib.get_close_matches(kind, KINDS, 1) if joint in joints else []
-        hint = f": did you mean '{near[0]}:{joint}'?" if near else "" if joint in joints else name_hint(name, known)
-        hint = hint or "; columns are time, and q:, v:, tau: or current: with the name of a joint"
-        raise IdentifyError(f"{path}: unknown column '{name}'{hint}")
-    for joint in joints:
-        if f"q:{joint}" not in columns:
-            raise IdentifyError(f"{path}: joint '{joint}' has no column 'q:{joint}'")
-        if (f"tau:{joint}" in columns) == (f"current:{joint}" in columns):
-            raise IdentifyError(f"{path}: joint '{joint}' needs either a column 'tau:{joint}' or 'current:{joint}'")
-
-
-def sample_time(path, columns, lines, dt):
-    """Of a column `time`, whose steps must be equal, or as given."""
-    if dt is not None:
-        return dt
-    if "time" not in columns:
-        raise IdentifyError(f"{path}: no column 'time': give --dt, the sample time in seconds")
-    steps = np.diff(columns["time"])
-    middle = float(np.median(steps))
-    if not middle > 0:
-        raise IdentifyError(f"{path}: column 'time' does not grow")
-    if middle >= 1:
-        raise IdentifyError(f"{path}: column 'time' grows by {middle:.4g} a row: is it in milliseconds? It must be in seconds")
-    odd = np.flatnonzero(np.abs(steps - middle) > 0.3 * middle)
-    if len(odd):
-        raise IdentifyError(f"{path}, row {lines[odd[0] + 1]}: a step of {steps[odd[0]]:.4g} s; the others have {middle:.4g} s. "
-                            "Fill gaps before, or cut the log there")
-    return middle
-
-
-def check_range(path, model, columns):
-    """Positions far beyond a joint's limits are of another unit, or of another zero."""
-    for name in model.dof_names:
-        info = model.joint(name)
-        bound = max(abs(info.lower), abs(info.upper))
-        reach = np.abs(columns[f"q:{name}"]).max()
-        if not info.lower < info.upper or reach < 1.5 * bound + 0.1:
-            continue
-        unit, wrong = ("m", "mm") if info.type == JointType.PRISMATIC else ("rad", "degrees")
-        raise IdentifyError(f"{path}: column 'q:{name}' reaches {reach:.4g}, but the joint's limits are {info.lower:.4g} and "
-                            f"{info.upper:.4g} {unit}: is it in {wrong}?")
-
-
-def check_rate(path, name, slope, limit):
-    """A joint that moves far quicker than it can, for most of the log, is in another unit; limit 0: not known."""
-    quick = np.median(np.abs(slope))
-    if limit > 0 and quick > 2 * limit:
-        raise IdentifyError(f"{path}: column 'q:{name}' changes by {quick:.4g} a second and more in half of the log, but the "
-                            f"joint's limit is {limit:.4g}: is it in degrees or mm, or the time in another unit?")
-
-
-def check_speed(path, name, v, slope):
-    """A column of velocities is the slope of that of positions, but for noise."""
-    factor = v @ slope / max(slope @ slope, 1e-300)
-    if np.sqrt(np.mean(slope ** 2)) > 1e-3 and not 0.5 < factor < 2:
-        raise IdentifyError(f"{path}: column 'v:{name}' is {factor:.4g} times the slope of column 'q:{name}': it must be in rad/s "
-                            "(m/s of a slide)")
-
-
-def torques_of(path, columns, joints, constants):
-    """Of all joints, from torques or from currents."""
-    for name in constants:
-        if name not in joints:
-            raise IdentifyError(f"--constant '{name}': the robot has no joint of this name{name_hint(name, joints)}")
-    lacking = [joint for joint in joints if f"current:{joint}" in columns and joint not in constants]
-    if lacking:
-        others = f"; the same of {', '.join(map(repr, lacking[1:]))}" if lacking[1:] else ""
-        raise IdentifyError(f"{path}: joint '{lacking[0]}' has currents: give --constant '{lacking[0]}=N m/A'{others}")
-    return np.stack([columns[f"tau:{joint}"] if f"tau:{joint}" in columns else columns[f"current:{joint}"] * constants[joint]
-                     for joint in joints], axis=1)
-
-
-def read_log(path, model, dt=None, window=0.1, constants=None):
-    """A Log from a CSV file. window: s, of the filter; constants: N m/A of joints with currents, by name."""
-    joints, (columns, lines) = list(model.dof_names), read_columns(path)
-    check_names(path, columns, joints)
-    check_range(path, model, columns)
-    dt = sample_time(path, columns, lines, dt)
-    torques = torques_of(path, columns, joints, constants or {})
-    samples = max(5, 2 * round(window / dt / 2) + 1)
-    if len(torques) < 4 * samples:
-        raise IdentifyError(f"{path}: {len(torques)} samples are too few for a window of {samples}: four windows are the least")
-
-    q, v, a = smooth(np.stack([columns[f"q:{joint}"] for joint in joints], axis=1), dt, samples)
-    for i, joint in enumerate(joints):
-        check_rate(path, joint, v[:, i], model.joint(joint).velocity)
-        if f"v:{joint}" not in columns:
-            continue
-        measured, slope, _ = smooth(columns[f"v:{joint}"][:, None], dt, samples)
-        check_speed(path, joint, measured[:, 0], v[:, i])
-        v[:, i], a[:, i] = measured[:, 0], slope[:, 0]
-    return Log(q, v, a, smooth(torques, dt, samples)[0], steady(v, samples), together(samples))
+__all__ = ["IdentifyError", "Identified", "Log", "Reading", "identify", "main", "predict", "read_log"]
 
 
 # ---- what was found ----
@@ -245,7 +96,7 @@ def write_picture(path, joints, measured, before, after):
     for i, joint in enumerate(joints):
         size = max(np.abs(measured[:, i] - before[:, i]).max(), np.abs(measured[:, i] - after[:, i]).max(), 1e-9)
         middle = 30 + height * (i + 0.5)
-        lines.append(f'<text x="4" y="{middle:.0f}">{joint}</text><text x="4" y="{middle + 15:.0f}" '
+        lines.append(f'<text x="4" y="{middle:.0f}">{escape(joint)}</text><text x="4" y="{middle + 15:.0f}" '
                      f'fill="#666">+- {size:.3g}</text>')
         for torques, colour in ((before, "#aaa"), (after, "#c00")):
             rest = (measured[::step, i] - torques[::step, i]) / size * height * 0.45
@@ -254,44 +105,49 @@ def write_picture(path, joints, measured, before, after):
     Path(path).write_text("\n".join([*lines, "</svg>", ""]), encoding="utf-8")
 
 
+MUCH = 0.3     # of a torque, if it is left of it
+
+
 def rms(x, rows):
     """Of each column, over the rows that count."""
     return np.sqrt((x ** 2 * rows).sum(axis=0) / np.maximum(rows.sum(axis=0), 1))
 
 
-def report(model, urdf, found, judge, name, slow, show):
+def report(model, found, judge, name, slow, show):
     """Prints what was found and how well it predicts a log. Returns torques as described and as found."""
-    described = np.array([model.body_parameters(k) for k in range(model.nb)])
-    friction = np.zeros((model.nv, 3))
-    for body in urdf.bodies:
-        if body.joint in found.joints:
-            friction[found.joints.index(body.joint), :2] = (np.atleast_1d(body.friction)[0],
-                                                            np.atleast_1d(body.damping)[0])
-    before = predict(model, described, friction, judge)
+    before = predict(model, described_parameters(model), described_friction(model), judge)
     after = predict(model, found.parameters, found.friction, judge)
     rows = told(judge, slow)
     left = [rms(judge.tau - torques, rows) for torques in (before, after, 0)]
     show(f"{'joint':24}  Coulomb  viscous   offset | left of the torques of {name}: described, identified")
     for i, joint in enumerate(found.joints):
         words = "".join(f"{x:9.4f}" for x in found.friction[i])
-        show(f"{joint:24}{words} | {left[0][i]:9.4f} {left[1][i]:9.4f} of {left[2][i]:.4g}")
+        show(f"{joint:24}{words} | " + ("not known" if joint in judge.without else "it does not move" if not rows[:, i].any() else
+                                       f"{left[0][i]:9.4f} {left[1][i]:9.4f} of {left[2][i]:.4g}"))
     sure = np.abs(found.base) > 2 * found.base_deviation
     show(f"{len(found.base)} base parameters; {int(sure.sum())} of them differ from 0 by more than two deviations")
     if found.unknown:
         show("not enough excitation: this log does not tell " + "; ".join(found.unknown))
+    for i in np.flatnonzero(left[1] > MUCH * left[2]):
+        show(f"look at joint '{found.joints[i]}': {left[1][i] / left[2][i]:.0%} of its torque are left. The reason may be its column, "
+             "a sign, a contact or friction of another kind: docs/identification.md, What can go wrong")
     return before, after
 
 
-def constants_of(words):
+def pairs_of(option, words, unit, bare=False):
+    """Numbers by joint, of words JOINT=NUMBER; bare: without a number None."""
     out = {}
     for word in words:
         joint, equals, value = word.rpartition("=")
+        if bare and not equals:
+            out[word] = None
+            continue
         try:
             out[joint] = float(value)
         except ValueError:
             equals = ""
-        if not equals or not math.isfinite(out[joint]) or out[joint] == 0:
-            raise IdentifyError(f"--constant '{word}': write JOINT=NUMBER, in N m/A")
+        if not equals or not math.isfinite(out[joint]) or out[joint] == 0 and not bare:
+            raise IdentifyError(f"{option} '{word}': write JOINT=NUMBER, in {unit}")
     return out
 
 
@@ -314,14 +170,12 @@ def parse(arguments):
     parser.add_argument("--dt", type=above_zero, help="s, sample time, of logs without a column time")
     parser.add_argument("--window", type=above_zero, default=0.1, help="s, of the filter; a third of the quickest period")
     parser.add_argument("--slow", type=above_zero, default=0.02, help="rad/s; a slower joint tells nothing")
-    parser.add_argument("--constant", action="append", default=[], metavar="JOINT=NM/A", help="of a joint with currents")
+    parser.add_argument("--constant", action="append", default=[], metavar="JOINT=NM/A",
+                        help="of a joint with currents; of one with torques a factor")
+    parser.add_argument("--without", action="append", default=[], metavar="JOINT[=POSITION]",
+                        help="a joint whose torque is not known; it stood at this position, rad or m, if it has no column q:")
     parser.add_argument("--out", default="identified", help="folder for what was found")
     return parser.parse_args(arguments)
-
-
-def part(log, rows):
-    return Log(log.q[rows], log.v[rows], log.a[rows], log.tau[rows], log.steady[rows],
-               log.together)
 
 
 def run(options, show=print):
@@ -333,10 +187,13 @@ def run(options, show=print):
     model = Model(urdf)
     if model.nq != model.nv or len(model.dof_names) != len(set(model.dof_names)) or any("[" in x for x in model.dof_names):
         raise IdentifyError(f"{options.urdf}: only robots on a fixed base, whose joints have one degree of freedom")
-    reading = {"dt": options.dt, "window": options.window, "constants": constants_of(options.constant)}
-    log = read_log(options.log, model, **reading)
+    reading = Reading(options.dt, options.window, options.slow, pairs_of("--constant", options.constant, "N m/A"),
+                      pairs_of("--without", options.without, "rad or m", bare=True))
+    if set(reading.without) >= set(model.dof_names):
+        raise IdentifyError("--without: no joint is left")
+    log = read_log(options.log, model, reading, show)
     if options.validate:
-        judge, name = read_log(options.validate, model, **reading), options.validate
+        judge, name = read_log(options.validate, model, reading, show), options.validate
     else:
         cut = len(log.q) * 4 // 5
         judge, name = part(log, slice(cut, None)), "the last fifth"
@@ -352,8 +209,10 @@ def run(options, show=print):
     write_tables(out, found)
     write_urdf(options.urdf, out / "identified.urdf", urdf, bodies)
     (out / "identified.h").write_text(Model(bodies, gravity=urdf.gravity).c_table("identified", options.urdf), encoding="utf-8")
-    before, after = report(model, urdf, found, judge, name, options.slow, show)
-    write_picture(out / "residuals.svg", found.joints, judge.tau, before, after)
+    before, after = report(model, found, judge, name, options.slow, show)
+    known = [i for i, joint in enumerate(found.joints) if joint not in judge.without]
+    write_picture(out / "residuals.svg", [found.joints[i] for i in known],
+                  *(torques[:, known] for torques in (judge.tau, before, after)))
     show(f"written to {out}: identified.urdf, identified.h, friction.csv, base_parameters.csv, residuals.svg")
     return found
 

@@ -19,7 +19,7 @@ from ._calls import _state
 from ._constraints import ConstraintSet
 from ._contacts import ContactSet
 from ._derivatives import Derivatives
-from ._descriptions import Body, Constraint, Contact, ContactOptions, _from_c, _rows
+from ._descriptions import Body, Constraint, Contact, ContactOptions, _from_c, _rows, _Table
 from ._dynamics import Dynamics
 from ._headers import Array, RbdError, Status, _warn, structure
 from ._kinematics import Kinematics
@@ -69,15 +69,16 @@ class Model(Derivatives, Kinematics, Names):
             file = isinstance(bodies, (str, os.PathLike))
             raise TypeError("Model: bodies must be a list of Body, or the result of load_urdf, not "
                             f"{type(bodies).__name__}" + "; Model.from_urdf takes the name of a file" * file)
-        drawn = (urdf._path, urdf.frames) if urdf else (None, ())
+        drawn = (urdf._path, urdf.frames, urdf.name) if urdf else (None, (), bodies.name if isinstance(bodies, _Table) else None)
         self._setup(bodies, gravity, _default_library() if library is None else library, kinematic, drawn=drawn)
         if urdf and urdf.warnings:
             self.warnings = list(urdf.warnings)
         else:
             _warn(self.warnings)
 
-    def _setup(self, bodies, gravity, library, kinematic, layout="rows", drawn=(None, ())):
-        """What a new model and a copy have in common. drawn: the URDF file and the frames of its links, for pictures."""
+    def _setup(self, bodies, gravity, library, kinematic, layout="rows", drawn=(None, (), None)):
+        """What a new model and a copy have in common. drawn: the URDF file, the frames of its links and the robot's name,
+        for pictures."""
         if not isinstance(library, Library):
             raise TypeError(f"library must be a Library, as Library('float'), not {library!r}")
         super().__init__(library, threading.RLock())
@@ -347,7 +348,7 @@ for _part in (Dynamics, Derivatives, Kinematics, Names):
         _member.__qualname__ = f"Model.{_member.__name__}"
 
 
-def _again(bodies, gravity, library, kinematic, layout, warnings, drawn=(None, ())):
+def _again(bodies, gravity, library, kinematic, layout, warnings, drawn=(None, (), None)):
     """A Model that was built before, and has warned."""
     model = Model.__new__(Model)
     model._setup(bodies, gravity, library, kinematic, layout, drawn)

@@ -24,7 +24,7 @@ class QpSolution(NamedTuple):
     multipliers: Array  #: of each side, bounds first: Hx + f + C'multipliers = 0; above 0 at the upper side
     side: Array         #: of each side: -1 where the lower one holds, 1 the upper one, 0 neither
     primal: float       #: the largest miss of a row, as a share of its terms
-    dual: float         #: the largest component of Hx + f + C'multipliers, as a share of the largest term
+    dual: float         #: the largest component of Hx + f + C'multipliers, as a share of the cost's largest term
     steps: int          #: rows that joined or left
     rounds: int         #: of the proximal method: 0 if H is definite
 

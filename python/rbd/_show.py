@@ -108,11 +108,11 @@ def _scene(model, states, step, start):
     """All that the page draws."""
     from ._visuals import _packed, _visuals
 
-    rows, (path, _) = model._rows, model._drawn
+    rows, (path, frames, name) = model._rows, model._drawn
     poses, centres = _poses(model.copy(), states)
     tips = _tips(model, rows)
     size = _extent(poses[:1], tips)[1]
-    items, meshes, missing = _visuals(*model._drawn)
+    items, meshes, missing = _visuals(path, frames)
     shaped = {item["body"] for item in items}
     items += _rods(rows, tips, size, shaped)
     items += [item for body in range(model.nb) for item in _axes(body, 0.12 * size)]
@@ -120,7 +120,7 @@ def _scene(model, states, step, start):
     ends = [[*of, *_corners(items, body)] for body, of in enumerate(tips)]
     facts = f"{model.nb} bodies, {model.nv} degrees of freedom"
     return {
-        "title": Path(path or "rbd").stem, "missing": missing, "meshes": meshes, "size": size,
+        "title": Path(path).stem if path else name or "A robot", "missing": missing, "meshes": meshes, "size": size,
         "facts": facts + (f", {model.mass():.4g} kg" if len(centres) else ""),
         "kinds": {kind: {"label": label, "colour": colour, "on": kind != "frames"} for kind, (label, colour) in _KINDS.items()},
         "items": [{**item, "place": [float(x) for x in item["place"]]} for item in items], "bodies": model.nb,

@@ -67,7 +67,7 @@ class TasksVelocity(NamedTuple):
     status: TasksStatus     #: OK, which is 0, or INEXACT
     level: int              #: of the last quadratic program
     steps: int              #: rows of the quadratic programs that joined or left
-    primal: float           #: the largest miss of a row, as a share of its terms
+    primal: float           #: the largest miss of a row, as a share of its terms, of the levels that count
     dual: float             #: the largest component of the gradient, as a share of its largest term
 
 
@@ -79,7 +79,7 @@ class TasksAcceleration(NamedTuple):
     status: TasksStatus     #: OK, which is 0, or INEXACT
     level: int              #: of the last quadratic program
     steps: int              #: rows of the quadratic programs that joined or left
-    primal: float           #: the largest miss of a row, as a share of its terms
+    primal: float           #: the largest miss of a row, as a share of its terms, of the levels that count
     dual: float             #: the largest component of the gradient, as a share of its largest term
 
 

@@ -7,8 +7,8 @@ import pytest
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parent)]
 import rbd  # noqa: E402
 
-# Compiled in seconds: what is tested here is rbd.py; what the optimiser makes of the headers, elsewhere.
-FLAGS = "-O0 -march=native"
+# Compiled in a second: what is tested here is rbd.py; what the optimiser makes of the headers, elsewhere.
+FLAGS = "-O0 -march=native -ffp-contract=off"
 
 
 @pytest.fixture(scope="session", params=["double", "float"])

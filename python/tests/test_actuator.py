@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Motors, gears and transmissions: rbd_actuator.h."""
+import copy
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import rbd
+from conftest import FLAGS
 
 
 def leg(library, **joint):
@@ -25,7 +28,51 @@ def test_efficiency_and_limits(library):
     assert np.allclose(up.current, [15, 10], atol=close) and up.torque.dtype == library.dtype
     assert abs(arm.inverse([0, 0], [0, -1], [0, 0], [0, 8]).torque[1] - 8 / 1.2) < close
     assert abs(arm.friction(1, 1.0, 10, -8) - 2) < close
-    assert pickle.loads(pickle.dumps(arm)).n == 2
+
+
+def test_copies_are_of_what_was_built(library):
+    """Not of motors that the caller has changed since, and with shafts of their own."""
+    model = leg(library)
+    knee = rbd.Motor("K", "knee", gear=50, constant=0.03, friction=rbd.Friction(coulomb=2))
+    both = rbd.Transmission(0, ["hip", "knee"], matrix=np.eye(2))
+    arm = model.actuators([knee])
+    pair = model.actuators([rbd.Motor(gear=2, constant=1), rbd.Motor(gear=3, constant=1)], [both])
+    knee.gear, knee.friction.coulomb, both.matrix[0, 1] = 7, 5, 9
+    assert b"rbd._" not in pickle.dumps([arm, pair], 0)  # the files of the package may change
+    arm.reset([0, 0.3])
+    arm.step([0, 0.3], [0, 1], 1e-3, torque=1)
+    for again in copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x)):
+        other, of_two = again(arm), again(pair)
+        drives = [x.inverse([0, 0.3], [0, 1], [0, 0], [0, 10]) for x in (arm, other)]
+        assert drives[0].current == drives[1].current == pytest.approx(12 / 50 / 0.03, rel=1e-5)
+        assert arm.get().angle[0] > 0.29 and other.get().angle[0] == 0
+        assert (of_two.map([0.1, 0.2])[0] == np.asarray([0.1, 0.2], library.dtype)).all()
+    held, same = copy.deepcopy((arm, model))
+    assert held.model is same and "1 motors" in repr(held)
+
+
+def test_arrays_and_contacts_of_another_robot_are_refused(double, iiwa):
+    """No call takes the model: its degrees of freedom are named."""
+    model = leg(double)
+    arm = model.actuators([rbd.Motor(joint="knee", gear=50, constant=0.03)])
+    text = "{}: {} has 7 numbers, but these actuators are of a robot with 2: its degrees of freedom are 'hip', 'knee'"
+    two, seven = np.zeros(2), np.zeros(7)
+    for call, name, use in (("map", "q", lambda: arm.map(seven)), ("map", "v", lambda: arm.map(two, seven)),
+                            ("inverse", "tau", lambda: arm.inverse(two, two, two, seven)), ("reset", "q", lambda: arm.reset(seven)),
+                            ("step", "v", lambda: arm.step(two, seven, 1e-3)),
+                            ("step", "tau", lambda: arm.step(two, two, 1e-3, tau=seven))):
+        with pytest.raises(ValueError, match=text.format(call, name)):
+            use()
+    other = rbd.Model([replace(body, joint=joint) for body, joint in zip(model.bodies, ("hip", "ankle"))], library=double)
+    with pytest.raises(ValueError, match="step: contacts are of another robot, with the degrees of freedom 'hip', 'ankle'; those "
+                                         "of these actuators are 'hip', 'knee'"):
+        arm.step(two, two, 1e-3, contacts=other.contacts([]))
+    narrow = leg(rbd.Library("float", flags=FLAGS, lanes=4))
+    with pytest.raises(ValueError, match="step: contacts are of a model in float, these actuators of one in double"):
+        arm.step(two, two, 1e-3, contacts=narrow.contacts([]))
+    arm.step(two, two, 1e-3, contacts=model.copy().contacts([]))  # a copy is the same robot
+    with pytest.raises(ValueError, match="of a robot with 7: its degrees of freedom are 'lbr.*_1', .*_7'$"):
+        iiwa.actuators([rbd.Motor(joint=iiwa.joint_names[0], gear=1, constant=1)]).map(two)
 
 
 def test_a_spring_keeps_its_load(double):

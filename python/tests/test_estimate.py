@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
 """External torques, friction and payload: rbd_estimate.h."""
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -46,6 +49,12 @@ def test_an_observer_feels_a_torque(library):
     for k in range(30):
         felt = observer.step(q, v, model.gravity_torque(q) - push, 1e-3)
     assert np.allclose(felt.band, 2, atol=1e-5)
+    for again in copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x)):  # with its options, from the beginning
+        other = again(observer)
+        assert not other.step(q, v, np.zeros(7), 1e-3).r.any()
+        for k in range(30):
+            felt = other.step(q, v, model.gravity_torque(q) - push, 1e-3)
+        assert np.allclose(felt.r, push, atol=1e-3) and np.allclose(felt.band, 2, atol=1e-5)
     observer.reset()
     assert not observer.step(q, v, np.zeros(7), 1e-3).r.any()
 

@@ -204,7 +204,7 @@ def test_what_is_wrong_is_named(double, tmp_path):
     path = tmp_path / "robot.urdf"
     path.write_text(text)
     model = rbd.Model([rbd.Body("body", type="floating", mass=1, inertia=(1, 0, 0, 1, 0, 1))], library=double)
-    model._drawn = path, [rbd.Frame("base", None, -1, 0, np.zeros(3), np.eye(3))]
+    model._drawn = path, [rbd.Frame("base", None, -1, 0, np.zeros(3), np.eye(3))], None
 
     picture = model.show(file=tmp_path / "page.html")
     scene = scene_of(picture)
@@ -220,6 +220,17 @@ def test_kinematic_robot(double, tmp_path):
     scene = scene_of(rbd.Model(bodies, kinematic=True, library=double).show([0.1, 0.2], file=tmp_path / "page.html"))
     assert scene["com"] is None and not [item for item in scene["items"] if item["kind"] == "inertias"]
     assert len(places(scene, "joints", 1)) == 1
+
+
+def test_the_heading_is_the_robots_name(double, tmp_path):
+    """That of a C table, of a robot without a file, or none."""
+    table = rbd.load_table(rbd.SOURCES / "models/iiwa.h")
+    assert type(pickle.loads(pickle.dumps(table))) is list and pickle.loads(pickle.dumps(table)) == list(table)
+    model = rbd.Model(table, library=double)
+    for robot, title in ((model, "iiwa"), (pickle.loads(pickle.dumps(model)), "iiwa"), (rbd.Model(table[:3], library=double), "A robot"),
+                         (rbd.Model(rbd.parse_urdf(ARM), library=double), re.search('robot name="(.*?)"', ARM)[1])):
+        page = robot.show(file=tmp_path / "page.html")
+        assert scene_of(page)["title"] == title and f"<title>{title}</title>" in page.html
 
 
 def test_where_it_is_seen(iiwa, tmp_path, monkeypatch):

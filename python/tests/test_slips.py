@@ -77,7 +77,17 @@ def test_objects(double, iiwa):
         control.acceleration = np.ones(7)
     with pytest.raises(AttributeError, match="'gravity' is no attribute; did you mean '[gs]et_gravity'"):
         iiwa.gravity = (0, 0, -1.62)
-    copy.copy(control), pickle.loads(pickle.dumps(control)), iiwa.copy()
+    copies = copy.copy, copy.deepcopy, lambda thing: pickle.loads(pickle.dumps(thing))
+    for thing in made:  # each is copied with memory of its own, or refuses with its name
+        for again in copies:
+            try:
+                other = again(thing)
+            except TypeError as error:
+                assert isinstance(thing, rbd.Estimator) and "Estimator: it cannot be copied or pickled" in str(error)
+                continue
+            assert type(other) is type(thing) and other is not thing and not isinstance(thing, rbd.Estimator)
+            for name in ("_memory", "_address", "_memories"):
+                assert not hasattr(thing, name) or getattr(other, name) is not getattr(thing, name)
 
 
 def test_classes_of_a_user():

@@ -6,6 +6,7 @@
 
 /* ---- checks [checks] ---- */
 
+/* Ranges are wider than any drive's, and so narrow that products of three fields are finite in float. */
 #define RBDI_ACTUATOR_MOST_GEAR RBD_C(1e6)
 #define RBDI_ACTUATOR_MOST_INERTIA RBD_C(1e3)      /* kg m^2 */
 #define RBDI_ACTUATOR_LEAST RBD_C(1e-9)            /* of what divides */

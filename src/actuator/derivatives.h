@@ -14,7 +14,7 @@ RBDI_LOCAL rbdi_act_slopes rbdi_act_slopes_of(const rbd_motor *m, const rbdi_act
     rbdi_act_slopes out;
     if (m->stiffness > 0) {
         const rbd_real k = m->stiffness, d = m->damping, half = m->backlash / 2;
-        const rbd_real free = k * (s->angle - s->g) + d * (s->speed - s->x);
+        const rbd_real free = k * (s->angle - s->phi) + d * (s->speed - s->x);
         const int side = free > k * half ? 1 : free < -k * half ? -1 : 0;
         out.torque = side ? free - (rbd_real)side * k * half : rbdi_zero();
         out.by_angle = side ? k : rbdi_zero();

@@ -26,7 +26,7 @@ RBDI_PART rbd_real rbdi_act_power_of_two(int k) {
     return power;
 }
 
-/* exp(x) for x up to 80; 0 below -80. */
+/* exp(x) for x up to 80; 0 below -80: 2^k and the result are finite and normal in float. */
 RBDI_PART rbd_real rbdi_act_exponential(rbd_real x) {
     rbd_real r, sum = rbdi_set(RBD_C(1));
     int k;

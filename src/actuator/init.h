@@ -24,6 +24,10 @@ RBDI_LOCAL rbd_actuators *rbdi_act_lay_actuators(const rbd_model *m, const rbd_m
     a->shaft = RBDI_CUT(rbdi_act_shaft, n);
     a->group = RBDI_CUT(rbdi_act_group, groups);
     a->commands = RBDI_CUT(rbd_command, n * ring);
+    a->mass = RBDI_CUT(rbd_real, groups ? (4 * n + 1) * n : 0);
+    a->system = a->mass + n * n;
+    a->pair = a->system + n * n;
+    a->solution = a->pair + 2 * n * n;
     a->motor = motors;
     a->n = n;
     a->groups = groups;
@@ -51,7 +55,7 @@ RBDI_LOCAL rbd_status rbdi_act_place_motors(const rbd_model *m, rbd_actuators *a
                                             int groups, rbd_report *report) {
     for (int i = 0; i < a->n; ++i) {
         a->shaft[i].dof = a->shaft[i].at = -1;
-        a->shaft[i].g = a->shaft[i].x = a->shaft[i].bias = rbdi_zero();
+        a->shaft[i].phi = a->shaft[i].x = a->shaft[i].bias = rbdi_zero();
     }
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *motor = &a->motor[i];

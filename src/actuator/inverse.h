@@ -11,7 +11,8 @@ typedef struct rbdi_act_wanted {
 } rbdi_act_wanted;
 
 /* Newton's method for u = base + side F(u, -t), F the level at rest share S. It is linear in pieces but for
-   the squares: two steps do as a rule. Writes the slopes by t, base and so on. */
+   the squares: two steps do as a rule, and each further one passes a bend of the level, of which there are
+   fewer than eight. Writes the slopes by t, base and so on. */
 RBDI_PART rbd_real rbdi_act_carry_load(const rbd_gear_friction *f, rbd_real S, const rbdi_act_wanted *want,
                                        rbd_real base, rbd_real *slope, rbd_real *by_torque) {
     const rbd_real t = want->torque, one = rbdi_set(RBD_C(1));
@@ -63,7 +64,7 @@ RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s
     drive->by_torque = by_torque / slope;
     drive->by_speed = f->viscous / slope;
     drive->by_acceleration = J / slope;
-    drive->angle = s->g + rbdi_act_winding_of(m, want->torque);
+    drive->angle = s->phi + rbdi_act_winding_of(m, want->torque);
 
     if (m->cogging > 0) u = u - rbdi_act_cogging(m, drive->angle);
     current = u / constant;

@@ -7,13 +7,21 @@
    rbdi_act_motor_at, and cogging; it falls with y. A rigid shaft, whose rotor turns with the joint, gives at
    the end's speed x = y the torque
 
-       m(x) - viscous x - J ((x - x_0) / dt + bias) - w,   w = clamp(b + k dt x_m, -F, F)
+       m(x) - J ((x - x_0) / dt + bias) - viscous (x - still) - dry,   dry = clamp(F (x - still) / w, -F, F)
 
-   with the level F, a bristle of stiffness k that now has the torque b, and the mean speed x_m by which the
-   joint moves, (1 - share) x_0 + share x. Without a bristle w = clamp(F x / creep, -F, F): what sticks
-   creeps, at most by RBDI_ACTUATOR_CREEP.
+   with the level F and the speed before the step x_0. Its work is that times the mean speed by which the
+   joint moves, x_m = (1 - share) x_0 + share x. In a step of first order, share = 1, still is 0. Else friction
+   at the end's speed makes energy where a shaft turns around: there x and x_m are against each other. So
 
-   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - g, play 2 h,
+       still = clamp(x, -turn, 0) or clamp(x, 0, -turn),   turn = x_0 (1 - share) / share
+
+   which lies between the speeds at which x and x_m vanish: friction is 0 or against both of them, so that it
+   takes dt friction x_m >= 0 whatever dt is. In between the shaft coasts. It is the law of the bounded rows of
+   rbd_contact_step, but for the width w: what sticks creeps here, at most by w = RBDI_ACTUATOR_CREEP, and what
+   turned around, still = -turn, has w = RBDI_ACTUATOR_BEND turn more. A bristle of stiffness k that has the
+   torque b makes dry = clamp(b + k dt x_m, -F, F).
+
+   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - phi, play 2 h,
    K = dt k + d, r = y - x_m the joint gets the impulse
 
        p = max(0, dt k (delta - h) + dt K r) + min(0, dt k (delta + h) + dt K r)
@@ -24,13 +32,13 @@
    spring changes by p r at most, that of the joints by p x_m, and that of the rotor by (p_f - p) y at most:
    together they do not grow. */
 
-/* A piece of a law: the torque s - slope x. */
+/* A piece of a law: the torque start - slope x. */
 typedef struct rbdi_act_piece {
-    rbd_real s, slope;
+    rbd_real start, slope;
 } rbdi_act_piece;
 
 RBDI_INLINE rbd_real rbdi_act_torque_of(rbdi_act_piece piece, rbd_real x) {
-    return piece.s - piece.slope * x;
+    return piece.start - piece.slope * x;
 }
 
 /* Mean speed of a step on the joint's side. */
@@ -38,51 +46,70 @@ RBDI_INLINE rbd_real rbdi_act_mean(const rbd_actuators *a, const rbdi_act_shaft 
     return (1 - a->share) * s->x + a->share * x;
 }
 
-/* Torque of dry friction where it does not slide: w = offset + slope x. */
-typedef struct rbdi_act_stiction {
-    rbd_real offset, slope;
-} rbdi_act_stiction;
+/* The speed `still` of [laws of shafts], and whether the shaft coasts. */
+typedef struct rbdi_act_turning {
+    rbd_real still;
+    int coasts;
+} rbdi_act_turning;
 
-RBDI_PART rbdi_act_stiction rbdi_act_sticks(const rbd_motor *m, const rbdi_act_shaft *s,
-                                            const rbd_actuators *a) {
-    rbdi_act_stiction w;
-    w.offset = rbdi_zero();
-    w.slope = s->level / RBDI_ACTUATOR_CREEP;
-    if (m->friction.bristle > 0) {
-        w.offset = s->bristle + m->friction.bristle * a->dt * (1 - a->share) * s->x;
-        w.slope = m->friction.bristle * a->dt * a->share;
-    }
-    return w;
+RBDI_INLINE rbdi_act_turning rbdi_act_turning_at(const rbd_actuators *a, const rbdi_act_shaft *s,
+                                                 rbd_real x) {
+    const rbd_real turned = -s->x * (1 - a->share) / a->share;
+    const rbd_real least = turned < 0 ? turned : rbdi_zero();
+    const rbd_real most = turned > 0 ? turned : rbdi_zero();
+    rbdi_act_turning turning;
+    turning.still = rbdi_act_clamp(x, least, most);
+    turning.coasts = x > least && x < most;
+    return turning;
 }
 
-/* -1 or 1 where the dry friction of a rigid shaft slides at speed x, 0 where it sticks. */
-RBDI_INLINE int rbdi_act_slides(const rbdi_act_shaft *s, rbdi_act_stiction sticks, rbd_real x) {
-    const rbd_real w = sticks.offset + sticks.slope * x;
-    return w > s->level ? 1 : w < -s->level ? -1 : 0;
+/* The dry friction of a rigid shaft at speed x. */
+RBDI_PART rbdi_act_piece rbdi_act_dry(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                      const rbd_actuators *a) {
+    const rbdi_act_turning turning = rbdi_act_turning_at(a, s, x);
+    rbdi_act_piece dry;
+    rbd_real torque;
+    if (m->friction.bristle > 0) {
+        dry.start = -(s->bristle + m->friction.bristle * a->dt * (1 - a->share) * s->x);
+        dry.slope = m->friction.bristle * a->dt * a->share;
+    } else {
+        const rbd_real width = RBDI_ACTUATOR_CREEP + RBDI_ACTUATOR_BEND * rbdi_abs(turning.still);
+        dry.slope = turning.coasts ? rbdi_zero() : s->level / width;
+        dry.start = dry.slope * turning.still;
+    }
+
+    torque = rbdi_act_torque_of(dry, x);
+    if (torque <= s->level && torque >= -s->level) return dry;
+    dry.start = torque > 0 ? s->level : -s->level;
+    dry.slope = rbdi_zero();
+    return dry;
+}
+
+/* -1 or 1 where dry friction slides at the speed before the step, 0 where it sticks. */
+RBDI_PART int rbdi_act_slides(const rbd_motor *m, const rbdi_act_shaft *s, const rbd_actuators *a) {
+    const rbdi_act_piece dry = rbdi_act_dry(m, s, s->x, a);
+    return dry.slope > 0 ? 0 : -rbdi_act_sign(dry.start);
 }
 
 /* A rigid shaft without its dry friction. */
 RBDI_PART rbdi_act_piece rbdi_act_rigid_without(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
                                                 const rbd_actuators *a) {
     const rbdi_act_line line = rbdi_act_motor_at(s, x);
+    const rbdi_act_turning turning = rbdi_act_turning_at(a, s, x);
+    const rbd_real viscous = turning.coasts ? rbdi_zero() : rbdi_set(m->friction.viscous);
     const rbd_real J = rbdi_act_rotor_inertia(m);
     rbdi_act_piece piece;
-    piece.s = line.t + s->cogging + J * (s->x / a->dt - s->bias);
-    piece.slope = line.braking + s->cogging_slope + m->friction.viscous + J / a->dt;
+    piece.start = line.t + s->cogging + viscous * turning.still + J * (s->x / a->dt - s->bias);
+    piece.slope = line.braking + s->cogging_slope + viscous + J / a->dt;
     return piece;
 }
 
 RBDI_PART rbdi_act_piece rbdi_act_rigid_law(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
                                             const rbd_actuators *a) {
-    const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
-    const int slides = rbdi_act_slides(s, sticks, x);
+    const rbdi_act_piece dry = rbdi_act_dry(m, s, x, a);
     rbdi_act_piece piece = rbdi_act_rigid_without(m, s, x, a);
-    if (slides) {
-        piece.s = piece.s - (rbd_real)slides * s->level;
-    } else {
-        piece.s = piece.s - sticks.offset;
-        piece.slope = piece.slope + sticks.slope;
-    }
+    piece.start = piece.start + dry.start;
+    piece.slope = piece.slope + dry.slope;
     return piece;
 }
 
@@ -94,7 +121,7 @@ typedef struct rbdi_act_spring {
 /* The spring where the rotor's speed would be r + x_m without it, and falls by e for each unit of p. */
 RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real r, rbd_real e,
                                  rbd_real dt) {
-    const rbd_real delta = s->angle - s->g;
+    const rbd_real delta = s->angle - s->phi;
     const rbd_real half = m->backlash / 2;
     const rbd_real K = dt * m->stiffness + m->damping;
     const rbd_real up = dt * (m->stiffness * (delta - half) + K * r) / (1 + dt * K * e);
@@ -165,48 +192,62 @@ RBDI_PART rbdi_act_piece rbdi_act_law(const rbd_motor *m, const rbdi_act_shaft *
 
     spring = rbdi_act_spring_at(m, s, x, a);
     piece.slope = a->share * spring.slope;
-    piece.s = spring.p / a->dt + piece.slope * x;
+    piece.start = spring.p / a->dt + piece.slope * x;
     return piece;
 }
 
-/* By how much the joint's torque T at speed x is not that of the law. A coupled shaft may have any within the
-   level of friction while it sticks: there x is rounding. */
+/* By how much the joint's torque T at speed x is not that of the law, where the speed is known to a->rough. A
+   coupled shaft may have any torque within the level of friction while it sticks: there x is rounding. */
 RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
                                 const rbd_actuators *a) {
-    if (s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0) &&
-        rbdi_abs(x) <= RBDI_ACTUATOR_CREEP * (1 + s->scale)) {
-        const rbd_real w = rbdi_act_torque_of(rbdi_act_rigid_without(m, s, x, a), x) - T;
-        return rbdi_act_clamp(w, -s->level, s->level) - w;
+    const int sticks = s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0);
+    const rbd_real creep = sticks ? RBDI_ACTUATOR_CREEP * (1 + s->scale) : rbdi_zero();
+    const rbd_real slower = x - a->rough, faster = x + a->rough;
+    rbd_real least, most;
+    if (!(a->rough > 0)) return T - rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
+    if (!sticks) {
+        least = rbdi_act_torque_of(rbdi_act_law(m, s, faster, a), faster);
+        most = rbdi_act_torque_of(rbdi_act_law(m, s, slower, a), slower);
+    } else {
+        least = rbdi_act_torque_of(rbdi_act_rigid_without(m, s, faster, a), faster) +
+                rbdi_act_torque_of(rbdi_act_dry(m, s, faster + creep, a), faster + creep);
+        most = rbdi_act_torque_of(rbdi_act_rigid_without(m, s, slower, a), slower) +
+               rbdi_act_torque_of(rbdi_act_dry(m, s, slower - creep, a), slower - creep);
     }
-    return T - rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
+    return T - rbdi_act_clamp(T, least, most);
 }
 
-/* The size of what the law adds up at the new speed, N m; not so small that rounding is another. */
+/* The size of what the law adds up at the new speed, N m; not so small that rounding is another. A spring
+   passes on the share slope / (dt stiffness + damping) of what it adds up. */
 RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, const rbd_actuators *a) {
     const rbdi_act_piece law = rbdi_act_law(m, s, s->next, a);
-    const rbd_real wound = rbdi_abs(s->angle - s->g) + m->backlash;
+    const rbd_real wound = rbdi_abs(s->angle - s->phi) + m->backlash;
     const rbd_real speeds = rbdi_abs(s->x) + rbdi_abs(s->next) + rbdi_abs(s->speed);
-    return rbdi_abs(law.s) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) + m->stiffness * wound +
-           (a->dt * m->stiffness + m->damping) * speeds + RBD_C(1e-20);
+    const rbd_real K = a->dt * m->stiffness + m->damping;
+    rbd_real size = rbdi_abs(law.start) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) +
+                    rbdi_abs(s->t) + rbdi_abs(s->cogging) + s->level + RBD_C(1e-20);
+    if (K > 0) size = size + law.slope / (a->share * K) * (m->stiffness * wound + K * speeds);
+    return size;
 }
 
 /* The state of the shaft at the end of the step, where the joint's side has speed x and gets s->force. */
 RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
     rbdi_act_line line;
-    rbd_real t;
+    rbd_real t, way;
     s->joint = s->force;
     if (m->stiffness > 0) {
         const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
         s->joint = spring.p / a->dt;
         s->speed = spring.y;
-        s->angle = s->angle + a->dt * spring.y;
+        way = a->dt * spring.y;
     } else {
-        const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
         s->speed = x;
-        s->angle = s->g + a->dt * rbdi_act_mean(a, s, x);
-        if (m->friction.bristle > 0)
-            s->bristle = rbdi_act_clamp(sticks.offset + sticks.slope * x, -s->level, s->level);
+        way = a->dt * rbdi_act_mean(a, s, x);
+        if (m->friction.bristle > 0) s->bristle = -rbdi_act_torque_of(rbdi_act_dry(m, s, x, a), x);
     }
+
+    rbdi_act_lend(m, s, way);
+    s->angle = s->angle + way;
 
     line = rbdi_act_motor_at(s, s->speed);
     t = line.t - line.braking * s->speed;

@@ -2,25 +2,27 @@
 #define RBDI_ACTUATOR_STEP_H
 #include "base/memory.h"
 #include "actuator/coupled.h"
+#include "actuator/learning.h"
 
 /* ---- forward [forward code] ---- */
 
-/* All shafts at rest at their angles g, as warm as the air. */
+/* All shafts at rest at their angles phi, as warm as the air. */
 RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     a->air = air;
     a->begun = 0;
-    a->repeats = a->noted = 0;
+    a->repeats = a->noted = a->pairs = 0;
+    a->rough = a->heavy = rbdi_zero();
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
-        s->angle = s->g;
+        s->angle = s->phi;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
         s->motor = s->joint = s->current = s->level = rbdi_zero();
-        s->cogging = s->cogging_slope = rbdi_zero();
+        s->cogging = s->cogging_slope = s->lent = rbdi_zero();
         s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
         s->most = s->stall = s->droop = s->pass = rbdi_zero();
-        s->s = s->slope = s->point = s->base = s->next = s->force = s->scale = rbdi_zero();
+        s->start = s->slope = s->point = s->base = s->next = s->force = s->scale = rbdi_zero();
         s->branch = s->saturated = s->oldest = 0;
     }
-    for (int i = 0; i < a->groups; ++i) a->group[i].known = 0;
+    a->known = 0;
     for (int i = 0; i < a->n * a->ring; ++i) {
         rbd_command *c = &a->commands[i];
         c->q = c->v = c->kp = c->kd = c->torque = c->voltage = rbdi_zero();
@@ -67,22 +69,28 @@ RBDI_LOCAL int rbdi_act_is_command(const rbd_motor *m, const rbd_command *c) {
     return rbdi_act_all_moderate(x, 6) && c->kp >= 0 && c->kd >= 0 && other >= 0 && other <= 0;
 }
 
-/* Tells the step the pieces of all shafts at their points. */
+/* Tells the step the pieces of all shafts at their points or, if the mass is known, at the speeds that will
+   come out. */
 RBDI_LOCAL void rbdi_act_tell_all(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
+    a->known = a->known && rbdi_act_foretell(a);
+    rbdi_act_take_pieces(a);
     rbdi_clear(tau, a->nv);
     rbdi_clear(damping, a->nv);
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        rbdi_act_piece piece;
-        if (s->dof < 0) continue;
-        piece = rbdi_act_law(&a->motor[i], s, s->point, a);
-        tau[s->dof] = s->s = piece.s;
-        damping[s->dof] = s->slope = piece.slope;
+        const rbd_motor *m = &a->motor[i];
+        if (s->dof < 0) {
+            s->smooth = m->stiffness > 0 ? s->slope : rbdi_act_rigid_without(m, s, s->point, a).slope;
+            if (!a->known) s->base = s->start - s->slope * s->point;
+        } else {
+            tau[s->dof] = s->start;
+            damping[s->dof] = s->slope;
+        }
     }
     for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g) {
         rbdi_act_tell_group(a, g);
         for (int j = 0; j < g->n; ++j) {
-            tau[g->dof[j]] = g->s[j];
+            tau[g->dof[j]] = g->start[j];
             damping[g->dof[j]] = g->damping[j];
         }
     }
@@ -103,19 +111,20 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
     a->dt = dt;
     a->share = rbdi_set(first_order ? RBD_C(1) : RBD_C(0.5));
     a->begun = 1;
-    a->repeats = a->noted = 0;
+    a->repeats = a->noted = a->pairs = 0;
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *m = &a->motor[i];
         rbdi_act_shaft *s = &a->shaft[i];
         const rbd_command c = rbdi_act_delay(a, i, &commands[i]);
         if (!(m->stiffness > 0)) {
-            s->angle = s->g;
+            s->angle = s->phi;
             s->speed = s->x;
         }
         rbdi_act_drive_motor(m, s, &c, a->air, dt, m->stiffness > 0 ? rbdi_set(RBD_C(1)) : a->share);
         s->level = rbd_friction_level(&m->friction, s->speed, s->motor, -s->joint);
-        s->point = s->x;
-        s->branch = (int16_t)rbdi_act_slides(s, rbdi_act_sticks(m, s, a), s->x);
+        s->point = s->seen_x = s->x;
+        s->seen_T = s->base;
+        s->branch = (int16_t)rbdi_act_slides(m, s, a);
     }
     for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g)
         for (int j = 0; j < g->n; ++j) g->v[j] = v[g->dof[j]];
@@ -128,9 +137,10 @@ RBDI_LOCAL void rbdi_act_note_speeds(rbd_actuators *a, const rbd_real *v) {
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         if (s->dof < 0) continue;
         s->next = v[s->dof];
-        s->force = s->s - s->slope * s->next;
+        s->force = s->start - s->slope * s->next;
     }
     for (int i = 0; i < a->groups; ++i) rbdi_act_note_group(a, &a->group[i], v);
+    if (a->groups > 0) rbdi_act_note_rounding(a);
 }
 
 /* Whether all shafts have the torques of their laws at the new speeds. */
@@ -138,88 +148,42 @@ RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *m = &a->motor[i];
         const rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof < 0) continue;
-        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > 8 * RBDI_EPS * rbdi_act_size(m, s, a))
-            return 0;
+        const rbd_real bound =
+            s->dof < 0 ? RBDI_ACTUATOR_SETTLED * s->size : RBDI_ACTUATOR_ROUNDING * rbdi_act_size(m, s, a);
+        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > bound + a->heavy) return 0;
     }
-    for (const rbdi_act_group *g = a->group; g < a->group + a->groups; ++g)
-        if (!rbdi_act_group_settles(a, g)) return 0;
     return 1;
-}
-
-/* Slope of the function of [method] at the share c of the way from the points to the new speeds. */
-RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
-    rbd_real sum = rbdi_zero();
-    for (int i = 0; i < a->n; ++i) {
-        const rbdi_act_shaft *s = &a->shaft[i];
-        const rbd_real d = s->next - s->point;
-        const rbd_real T = s->base + c * (s->force - s->base);
-        sum = sum + rbdi_act_off(&a->motor[i], s, T, s->point + c * d, a) * d;
-    }
-    return sum;
-}
-
-/* Whether the function grows at the new speeds by a quarter of what it falls at the points. */
-RBDI_LOCAL int rbdi_act_overshoots(const rbd_actuators *a) {
-    const rbd_real falls = -rbdi_act_growth(a, rbdi_zero());
-    return falls > 0 && rbdi_act_growth(a, rbdi_set(RBD_C(1))) > RBD_C(0.25) * falls;
-}
-
-/* Moves the points to the new speeds or, if the function grows there after the first repeat, to where it is
-   least on the way. */
-RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a) {
-    rbd_real least = rbdi_zero(), most = rbdi_set(RBD_C(1));
-    const rbd_real half = rbdi_set(RBD_C(0.5));
-    if (a->noted > 1 && rbdi_act_overshoots(a)) {
-        for (int k = 0; k < RBDI_ACTUATOR_HALVINGS; ++k) {
-            const rbd_real middle = half * (least + most);
-            if (rbdi_act_growth(a, middle) > 0)
-                most = middle;
-            else
-                least = middle;
-        }
-        most = half * (least + most);
-    }
-
-    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
-        s->base = a->noted > 1 ? s->base + most * (s->force - s->base) : s->force;
-        s->point = s->point + most * (s->next - s->point);
-    }
 }
 
 /* Ends the step at the speeds that were noted. */
 RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) rbdi_act_end_shaft(&a->motor[i], &a->shaft[i], a->shaft[i].next, a);
-    for (int i = 0; i < a->groups; ++i)
-        if (a->group[i].known) rbdi_act_foresee(a, &a->group[i]);
+    if (a->known) rbdi_act_foresee(a);
 }
 
-/* Learns masses from the new speeds, moves the points there, and tells the step the pieces. */
+/* Learns from the new speeds, moves the points there, and tells the step the pieces. */
 RBDI_LOCAL void rbdi_act_repeat(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
     ++a->repeats;
     ++a->noted;
-    for (int i = 0; i < a->groups; ++i) {
-        if (!a->group[i].known)
-            rbdi_act_guess_mass(a, &a->group[i]);
-        else if (a->noted > 1)
-            rbdi_act_learn(a, &a->group[i]);
+    if (a->groups > 0 && !a->known)
+        rbdi_act_guess_mass(a);
+    else if (a->groups > 0 && a->noted > 1)
+        rbdi_act_learn(a);
+    rbdi_act_move_points(a, a->groups == 0 && a->noted > 1);
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
+        s->seen_x = s->point;
+        s->seen_T = s->base;
     }
-    rbdi_act_move_points(a);
     rbdi_act_tell_all(a, tau, damping);
 }
 
 /* Begins the step anew without the masses that were learnt, which made speeds without bound. Returns 0 if
    there are none. */
 RBDI_LOCAL int rbdi_act_forget(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
-    int known = 0;
-    for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g) {
-        known |= g->known;
-        g->known = 0;
-    }
-    if (!known) return 0;
-
+    if (!a->known) return 0;
+    a->known = 0;
     ++a->repeats;
-    a->noted = 0;
+    a->noted = a->pairs = 0;
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) s->point = s->x;
     rbdi_act_tell_all(a, tau, damping);
     return 1;

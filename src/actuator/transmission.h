@@ -58,11 +58,11 @@ RBDI_LOCAL rbd_status rbdi_act_map_group(const rbd_actuators *a, rbdi_act_group 
     }
 
     for (int i = 0; i < n; ++i) {
-        s[i].g = angle[i];
+        s[i].phi = angle[i];
         s[i].x = rbdi_zero();
         s[i].bias = rbdi_zero();
         for (int j = 0; j < n; ++j) {
-            if (g->by->kind != RBD_BY_RODS) s[i].g = s[i].g + g->G[n * i + j] * q[g->at[j]];
+            if (g->by->kind != RBD_BY_RODS) s[i].phi = s[i].phi + g->G[n * i + j] * q[g->at[j]];
             if (v) s[i].x = s[i].x + g->G[n * i + j] * v[g->dof[j]];
             for (int k = 0; k < n && v && g->by->kind == RBD_BY_RODS; ++k)
                 s[i].bias = s[i].bias + g->H[(n * i + j) * n + k] * v[g->dof[j]] * v[g->dof[k]];
@@ -85,7 +85,7 @@ RBDI_LOCAL rbd_status rbdi_act_map(rbd_actuators *a, const rbd_real *q, const rb
 
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         if (s->dof < 0) continue;
-        s->g = q[s->at];
+        s->phi = q[s->at];
         s->x = v ? v[s->dof] : rbdi_zero();
     }
     for (int i = 0; i < a->groups; ++i) {
@@ -110,7 +110,7 @@ RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const
     if (a->begun) return RBD_ERR_ORDER;
     status = rbdi_act_map(a, q, v);
     for (int i = 0; i < a->n && !status; ++i) {
-        if (angle) angle[i] = a->shaft[i].g;
+        if (angle) angle[i] = a->shaft[i].phi;
         if (speed) speed[i] = a->shaft[i].x;
     }
     return status;

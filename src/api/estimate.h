@@ -89,13 +89,12 @@ typedef struct rbd_estimate rbd_estimate; /* see rbd_estimate_init */
 
 /* 0 is the default in brackets. */
 typedef struct rbd_estimate_options {
-    rbd_real mass;     /* kg: as heavy as a payload may be [5] */
-    rbd_real reach;    /* m: as far as it may be from the body's origin [0.2] */
-    rbd_real friction; /* N m, N m s/rad: as large as friction and offset may be [100] */
-    rbd_real
-        forgetting; /* what a sample leaves of the weight of those before, above 0.5, at most 1 [0.998] */
-    rbd_real slow;  /* rad/s or m/s: a slower dof counts as at rest, and tells nothing [0.03] */
-    const rbd_real *noise;         /* nv, N m, above 0: standard deviations of tau; NULL: 0.1 of each dof */
+    rbd_real mass;         /* kg: as heavy as a payload may be [5] */
+    rbd_real reach;        /* m: as far as it may be from the body's origin [0.2] */
+    rbd_real friction;     /* N m, N m s/rad: as large as friction and offset may be [100] */
+    rbd_real forgetting;   /* what a sample leaves of the weight of those before, 0.5 to 1 [0.998] */
+    rbd_real slow;         /* rad/s or m/s: a slower dof counts as at rest, and tells nothing [0.03] */
+    const rbd_real *noise; /* nv, N m, above 0: standard deviations of tau; NULL: 0.1 of each dof */
     const unsigned char *left_out; /* nv flags: not 0 where tau is not known, as of a base on unknown
                                       contacts; NULL: none */
 } rbd_estimate_options;

@@ -142,11 +142,12 @@ typedef struct rbd_tasks_result {
     int steps;        /* rows of the QPs that joined or left */
     int level;        /* of the last QP */
     rbd_qp_status qp; /* its status */
-    rbd_real primal;  /* the largest miss of a hard row, as a share of its terms, summed over the levels; or
-                        that of rbd_qp_result, if it is larger. The terms are the side and the entries times
-                        x. There a component of x counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at least, a force
-                        as what gives the robot 1 m/s^2 */
-    rbd_real dual;    /* the largest of rbd_qp_result */
+    rbd_real primal;  /* of the answer: the largest miss of a hard row, as a share of its terms, summed over
+                        the levels that count; or that of rbd_qp_result, if it is larger. The terms are the
+                        side and the entries times x. There a component of x counts as 1 rad/s, m/s, rad/s^2
+                        or m/s^2 at least, a force as what gives the robot 1 m/s^2 */
+    rbd_real dual;    /* of the answer: the largest component of Hx + f + C'lambda of a QP, as a share of the
+                        largest of its terms */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */
     rbd_status error;       /* RBD_OK but after RBD_TASKS_ERROR */

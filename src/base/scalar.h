@@ -118,9 +118,9 @@ RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask 
 /* 1 / D of a pivot, 0 where that would overflow. The pivot is in doubt if it is small beside scale, the
    inertia that it came from: see [tolerances]. */
 RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
-    rbdi_mask none = rbdi_less(D, D);
+    rbdi_mask tiny = rbdi_less(D, D); /* not asked: such a pivot is in doubt as well */
     *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
-    return rbdi_reciprocal(D, RBDI_TINY, &none);
+    return rbdi_reciprocal(D, RBDI_TINY, &tiny);
 }
 
 #endif

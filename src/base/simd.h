@@ -28,7 +28,7 @@ typedef uint32_t rbdi_bit;
 RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
 #if RBDI_BATCH > 1
     const rbdi_batch zero = {0};
-    return x - zero;
+    return x - zero; /* x + zero would lose the sign of -0 */
 #else
     return x;
 #endif

@@ -100,13 +100,14 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
     *c = rbdi_first_lane(cosine);
 }
 
-/* Sines and cosines of the angles first .. end - 1 plus right angles, in as few batches as can be, aligned if
-   these are as few. Entries that share a batch with them are written too; the arrays are padded. The error is
-   below 2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it. */
+/* Sines and cosines of the angles first .. end - 1 plus right angles, in the least number of batches, which
+   are aligned where that takes no more. Entries that share a batch with them are written too. The arrays are
+   padded. The error is below 2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it.
+   */
 RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int first, int end, rbd_real *s,
                                  rbd_real *c) {
     const int size = (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-    int start = first / RBDI_BATCH * RBDI_BATCH;
+    int start = first / RBDI_BATCH * RBDI_BATCH; /* aligned */
     rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
     rbdi_bit any = 0;
 
@@ -116,11 +117,14 @@ RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, in
         beyond |= rbdi_beyond(angle * angle, RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
         rbdi_sincos_batch(angle, *(const rbdi_batch *)&quarters[i], (rbdi_batch *)&s[i], (rbdi_batch *)&c[i]);
     }
+
+    /* large angles anew, one by one */
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
+
     for (int i = first; any && i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif

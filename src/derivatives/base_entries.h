@@ -5,18 +5,21 @@
 
 /* ---- entries of a free base [base entries] ----
    The frame has the axes of the base, and the S of its dofs are unit vectors. So the entries of its rows are
-   components of F_j, D_j, E_j. The base's columns by its velocity (w; v) and its turn theta are, with
-   (n; f) = F_j and the world's acceleration minus_g,
+   components of F_j, D_j, E_j. With the velocity (w; v) of the base, its turn theta, the world's acceleration
+   minus_g, and (n; f) = F_j, its dofs have
+
+       U = (w; -v) x S,   Phi = (0; minus_g x S_omega)
+
+   and the base's columns of the other rows are
 
        dtau_j/dw = T_j + n_j x w - f_j x v
        dtau_j/dv = f_j x w
        dtau_j/dtheta = f_j x minus_g
 
-   Its position has no effect. Without this, derivatives of inverse dynamics take 50 % more instructions for
-   HyQ, 17 % for Atlas. */
+   The position of the base has no effect. Without this, derivatives of inverse dynamics take 50 % more
+   instructions for HyQ, 17 % for Atlas. */
 
-/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree, where
-   U = (w; -v) x S and Phi = (0; minus_g x S_omega):
+/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree:
 
        F = I S,   D = 2 B S + I U,   E = I Phi = (h x Phi_v; m Phi_v) */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
@@ -59,10 +62,10 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
     }
 }
 
-/* Stores n components of a field of all dofs as rows of a matrix. x: the field's first scalar in
+/* Stores n components of a field of all dofs as rows of a matrix. x: the first scalar of the field in
    d->columns. A batch may overwrite the beginning of the next row, which is stored later, but does not pass
-   end, the number of the matrix's entries. Only the last row asks for it: two rows must be as long as a
-   batch. */
+   end, the number of the matrix's entries. Only the last row compares with it, so that two rows must not be
+   shorter than a batch. */
 RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x, int n, ptrdiff_t end,
                                      rbd_real *out) {
     const ptrdiff_t nv = d->model->nv, base = d->base, behind = d->behind;
@@ -92,8 +95,10 @@ RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 
 
     out += first * nv;
     RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k) {
-        if (k < nv - first) RBDI_UNROLL_SIX
-            for (int j = 0; j < 6; ++j) out[k * nv + j] = ((const rbd_real *)&x[j])[k];
+        if (k < nv - first) {
+            RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+                out[k * nv + j] = ((const rbd_real *)&x[j])[k];
+        }
     }
 }
 
@@ -137,7 +142,7 @@ RBDI_INLINE int rbdi_first_solved(const rbd_derivatives *d, const rbd_real *by_q
     return by_q ? 4 : 3;
 }
 
-/* Stores them: of the base's rows D, of the others T + n x w. */
+/* Stores the three columns by w: of the base's rows D, of the others T + n x w. */
 RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v) {
     const ptrdiff_t nv = d->model->nv;
     const rbdi_b3 w = rbdi_b_all(d->V.omega);
@@ -146,8 +151,11 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
     if (!by_v) return;
 
     rbdi_place_turns(by_q, by_v, turn);
+
+    /* rows of the base */
     for (int j = 0; j < 3; ++j) rbdi_store_force(turn[j], nv, rbdi_load_force(RBDI_OF(d, j, D), RBDI_BATCH));
 
+    /* the other rows */
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 column = rbdi_b_cross_add(d->columns[b].T, d->columns[b].F.n, w);
         const rbd_real *x = (const rbd_real *)&column;

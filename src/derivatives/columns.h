@@ -6,19 +6,19 @@
 /* Interface: RBDI_OF */
 
 /* ---- common frame [common frame] ----
-   All quantities of a tree are in one frame. Its axes are those of the world. Its origin is the origin of
-   the tree's first link that rotates, and it moves with the velocity that this point has now. Every frame
-   that moves uniformly gives the same matrices. In this one the numbers do not grow with the distance and
-   the speed of the robot, so their differences keep their digits. Seen from this frame the world moves with
-   -v of that point.
+   All quantities of a tree are in one frame. Its axes are those of the world. Its origin is the origin of the
+   tree's first link that rotates, and it moves with the velocity that this point has now. Every frame that
+   moves uniformly gives the same matrices. In this one the numbers do not grow with the distance and the
+   speed of the robot, so their differences keep their digits. Seen from this frame the world moves with -v of
+   that point.
 
    In one frame a recursion over the links is a sum: over the ancestors of a link or over its subtree. All
    else is computed for each dof alone. SIMD lanes are dofs, in the caller's order.
 
    A joint of several dofs is a chain of dofs without mass between them. All its dofs have the same link and
-   the same parent. R = (ex ey ez) has the axes of the link, cycled so that the dof's own axis is ez; x is
-   the link's origin. V and A are velocity and acceleration of the link, V_p and A_p those of its parent.
-   (omega; v) and (omega_dot; a) are their two halves.
+   the same parent. R = (ex ey ez) has the axes of the link, cycled so that the dof's own axis is ez; x is the
+   link's origin. V and A are velocity and acceleration of the link, V_p and A_p those of its parent. (omega;
+   v) and (omega_dot; a) are their two halves.
 
        S = (rho ez; x x rho ez + kappa ez)      rho, kappa = 1, 0 turns; 0, 1 slides; 1, pitch: a screw
        V = V_p + sum over the joint of S qd
@@ -53,16 +53,16 @@
    for rbd_coriolis of V: so the sums make 2 B or B.
 
    With a free base whose subtree has all other dofs (d->base) the frame has the axes of the base too. The S
-   of the base's dofs are unit vectors e there. With its velocity (w; v), V = (w; 0) in this frame, and
+   of the base's dofs are unit vectors there; [base entries] has their U and Phi. With the velocity (w; v) of
+   the base, V = (w; 0) in this frame, and
 
        A = (w_dot; v_dot + w x v - gravity)
 
-   Its dofs have
-
-       turns     U = (w x e; e x v)   Phi = (0; -gravity x e)
-       shifts    U = (0; w x e)       Phi = 0
-
-   RBDA 2.9, 2.10 and 5.3 have the two cross products, Echeandia and Wensing (2021) the matrix B. */
+   RBDA 2.9, 2.10 and 5.3 have the two cross products, Echeandia and Wensing (2021) the matrix B. Columns and
+   entries are those of Singh, Russell and Wensing (2022), after Carpentier and Mansard (2018). What the
+   former call Psi_dot, Psi_ddot and S_dot is Psi, Phi and V x S here; their I^C, B^C and f^C are sums over
+   subtrees. In these rooms U and D are not those of [aba], X is no pose and E no rotation, but for the E of
+   poses. */
 
 #if RBDI_BATCH > 1
 typedef rbdi_batch rbdi_cbatch; /* a batch of constants */

@@ -6,6 +6,7 @@
 
 /* ---- motion in the common frame [common motion] ---- */
 
+/* The last dof of a link, in the solver's order. */
 RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
     return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
 }
@@ -68,37 +69,42 @@ RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, r
 
 /* Axes and origins of all links. base: dofs of a free base whose axes the frame has, or 0. */
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
-    const int known = base ? 0 : -1; /* the last link that is where the frame is */
+    const int frame = base ? 0 : -1; /* the link, or the world, whose axes the common frame has */
     rbdi_pose p = rbdi_world_pose(); /* of the link before, then of link i */
 
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
 
-        if (l->parent <= known) {
+        /* the parent's pose, unless p is that already */
+        if (l->parent <= frame) {
             p = rbdi_world_pose();
         } else if (l->parent != i - 1) {
             p = rbdi_common_pose(m, d, l->parent);
         }
 
+        /* link i's. A root block has the common origin, and a base its axes too */
         if (!rbdi_is(l, RBDI_BLOCK))
             RBDI_BY_FLAGS(const int flags, l,
                           p = rbdi_pose_step(l, flags, rbdi_trig_of(m, d->work, i, flags), p));
         else if (!rbdi_on_world(l))
             p = rbdi_pose_block(&d->work->block[l->block].X, p);
         else if (!base || i > 0)
-            p.E = d->work->block[l->block].X.E; /* the origin stays 0 */
+            p.E = d->work->block[l->block].X.E;
 
+        /* the common origin is that of this link */
         if (d->origin[i] >= 0) {
             if (d->origin[i] < i) rbdi_move_origin(m, d, i, p.r);
             p.r = rbdi_vec0();
         }
 
+        /* of a base only the last dof, which has the inertia, needs axes */
         if (rbdi_is(l, RBDI_BLOCK)) {
             const rbdi_pose own = p; /* an address of p would keep it in memory */
             rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &own);
-        } else
+        } else {
             rbdi_put_axes(d, l->first, rbdi_vec(p.E.xx, p.E.xy, p.E.xz), rbdi_vec(p.E.yx, p.E.yy, p.E.yz),
                           rbdi_vec(p.E.zx, p.E.zy, p.E.zz), p.r);
+        }
     }
 }
 
@@ -116,16 +122,17 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     }
 }
 
-/* Sums over ancestors: p of an rbdi_carried from the joints' parts. Vp: its first scalar in d->columns.
-   world: the motion of the roots' parent or, with a base, of the base
-   moves: whether the motion is a velocity, which is taken relative to that of the common origin */
+/* Sums over ancestors: p of an rbdi_carried from the joints' parts.
+   Vp      the first scalar of p in d->columns
+   world   the motion of the roots' parent or, with a base, of the base
+   moves   whether the motion is a velocity, which is taken relative to that of the common origin */
 RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, rbdi_motion world,
                                     int moves) {
     const ptrdiff_t apart = offsetof(rbdi_carried, joint) / sizeof(rbd_real); /* from p to joint */
     const rbdi_entry *entry = d->entry;
     const rbdi_segment *seg = d->segment + (base > 0), *end = d->segment + d->segments;
 
-    if (base) {
+    if (base) { /* as if its joint did not move */
         rbdi_store_motion(Vp + entry[base - 1].at, RBDI_BATCH, world);
         rbdi_store_motion(Vp + entry[base - 1].at + apart, RBDI_BATCH, rbdi_motion0());
     }
@@ -143,6 +150,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
         for (int k = seg->first; moves && k < seg->origin; ++k)
             V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
 
+        /* of a block: all dofs have its p and its joint's sum */
         if (seg->block) {
             rbdi_motion all = rbdi_motion0();
             for (int k = seg->first; k < seg->end; ++k)
@@ -154,6 +162,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
             continue;
         }
 
+        /* of a chain: dof by dof */
         for (int k = seg->first; k < seg->end; ++k) {
             rbd_real *out = Vp + entry[k].at;
             RBDI_ONE_INDEX(out);
@@ -163,8 +172,8 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Copies v or a into the lanes, which have the same order, from dof k on: 0 or the first behind a base.
-   out: the field's first scalar in d->columns. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a base. out:
+   the first scalar of the field in d->columns. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
 

@@ -54,13 +54,13 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
    times. If each of 24 links is twice as heavy as its parent, da/dq has no correct digit; by the factor it
    has six.
 
-   With a free base, gravity and the base's linear velocity enter the dynamics only by the A of the base.
-   The call leaves both out. Its unknowns are y = (A of the base; accelerations of the joints). y does not
-   depend on position, attitude and linear velocity of the base. At the end v_dot and its derivatives follow
-   from y and those of y:
+   With a free base, gravity and the base's linear velocity enter the dynamics only by the A of the base. The
+   call leaves both out. Its unknowns are y = (A of the base; accelerations of the joints). y does not depend
+   on position, attitude and linear velocity of the base. At the end v_dot and its derivatives follow from the
+   linear part y_v of A and its derivatives. With the velocity (w; u) of the base,
 
-       v_dot = y - w x v + gravity
-       by w: dy - e x v      by v: -w x e      by the turn theta: e x minus_g */
+       v_dot = y_v - w x u + gravity
+       by w: dy_v/dw + [u]x     by u: -[w]x     by the turn theta: [gravity]x     by joints: those of y_v */
 
 #ifndef RBD_NO_CHOLESKY
 /* Writes M as a packed matrix, M_ik = S_k' F_i on the path of i. The model has no mimic joints. */
@@ -74,7 +74,8 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
 
-        if (d->base) rbdi_store_force(row, 1, F); /* over the end of a base's row goes the next row */
+        /* S_k of a base are unit vectors. A row shorter than six spills into the next, which comes later */
+        if (d->base) rbdi_store_force(row, 1, F);
         for (int k = e[i].parent; k >= d->base; k = e[k].parent)
             *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S), RBDI_BATCH), F);
         *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;
@@ -103,7 +104,8 @@ RBDI_COLD void rbdi_factor_again(const rbd_model *m, rbd_work *w) {
     rbdi_check_factor(m, w, w->H, doubt);
 }
 
-/* x = tau - c, with c_i = S_i' f_i; of a free base c = f. Lanes have the order of c. */
+/* x = tau - c, with c_i = S_i' f_i; of a free base c = f. A batch of lanes is a piece of c: both have the
+   caller's order. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
 
@@ -118,11 +120,12 @@ RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd
     for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
 }
 
-/* Adds the effect of a to A_p and f of all dofs; then Phi and E. */
+/* Steps 3 and, by q, 4: adds the effect of a to A_p and f of all dofs; then Phi and E. */
 RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, const rbd_real *a) {
     const int base = d->base, first = base ? d->behind : 0;
     const rbdi_motion A = base ? rbdi_load_motion(a, 1) : rbdi_motion0();
 
+    /* S a and F a of each dof, then their sums: A_p' and that of F a */
     rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), RBDI_FIELD(d, qdd));
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *cols = &d->columns[b];
@@ -158,16 +161,14 @@ RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
     }
 }
 
-/* Replaces y, in d->a, by a, and the derivatives of y by those of a. Either may be NULL. v: velocity of the
-   base, (w; u). The rows of v_dot are those of y and
-
-       by theta: [gravity]x      by w: [u]x      by u: -[w]x */
+/* Replaces y, in d->a, by a, and the derivatives by_q and by_v of y, either of which may be NULL, by those of
+   a. v: its first six are (w; u) of the base. The formulas are those of [forward dynamics code]. */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;
     const rbdi_v3 w = rbdi_load_vec(v, 1), u = rbdi_load_vec(v + 3, 1),
                   g = rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)),
-                  y = rbdi_load_vec(d->a + 3, 1);
+                  y_v = rbdi_load_vec(d->a + 3, 1);
     rbd_real *turn[3];
 
     /* the columns by w from the places of rbdi_place_turns to their own; the base's others are 0 */
@@ -180,7 +181,8 @@ RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, cons
         if (by_q) rbdi_clear(by_q + r, 6);
     }
 
-    rbdi_store_vec(d->a + 3, 1, rbdi_add(rbdi_sub(y, rbdi_cross(w, u)), g));
+    /* v_dot, and what its rows have beyond those of y_v */
+    rbdi_store_vec(d->a + 3, 1, rbdi_add(rbdi_sub(y_v, rbdi_cross(w, u)), g));
     if (by_q) rbdi_add_skew(by_q + 3 * nv, nv, g);
     if (by_v) {
         rbdi_add_skew(by_v + 3 * nv, nv, u);
@@ -214,7 +216,7 @@ RBDI_INLINE rbdi_mask rbdi_solve_acceleration(const rbd_model *m, rbd_derivative
     return doubt;
 }
 
-/* Steps 4 and 5: da/dq and da/dv, one of them or both; of a free base those of y. */
+/* The rest of step 4, and step 5: da/dq and da/dv, one of them or both; of a free base those of y. */
 RBDI_INLINE void rbdi_acceleration_derivatives(const rbd_model *m, rbd_derivatives *d, rbd_real *da_dq,
                                                rbd_real *da_dv) {
     const int first = rbdi_first_solved(d, da_dq, da_dv);

@@ -43,8 +43,8 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *cols, int want, rbdi_mo
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(cols->F, S);
 }
 
-/* Adds the entries y of two dofs, which are `stride` apart, to those of the joints that they follow: with
-   mimic joints a result is G' (.) G, G = dv/dv of all joints by those of the caller. */
+/* Adds the entries y of two dofs, one of each result, `stride` apart, to those of the joints that they
+   follow. With mimic joints the velocities of all joints are G v, and each result is G' (.) G. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const rbdi_entry *column,
                               const rbd_real *y, ptrdiff_t stride, rbdi_wanted out) {
     const rbd_real ratio = rbdi_ratio(m, row->source) * rbdi_ratio(m, column->source);
@@ -55,7 +55,7 @@ RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const r
     }
 }
 
-/* dtau_i/dq_j = T_i' Psi_j + F_i' Phi_j of dofs i before j of one block, over what the rows have there. */
+/* Replaces dtau_i/dq_j of dofs i before j of one block by T_i' Psi_j + F_i' Phi_j. */
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
     for (const rbdi_segment *seg = d->segment + (d->base > 0); seg < d->segment + d->segments; ++seg)
         for (int i = seg->first; seg->block && i < seg->end; ++i) {
@@ -86,7 +86,7 @@ RBDI_INLINE rbdi_relatives *rbdi_relatives_of(const rbd_derivatives *d, int i) {
     return d->relatives + d->entry[i].source * rbdi_relatives_length(d);
 }
 
-/* Mask of the lanes whose bits begin at first. */
+/* Mask of the lanes on the path (first = RBDI_ON_PATH), or of those in the subtree. */
 RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *rel, int first) {
     rbdi_bits lanes;
     for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
@@ -113,7 +113,7 @@ RBDI_INLINE void rbdi_put_both(const rbdi_batch *y, const rbdi_batch *z, const r
     }
 }
 
-/* The row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
+/* The row of the dof at e, from the columns behind a free base on. rel: its three lists, in a row. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
     const rbd_real *own = (const rbd_real *)columns + e->at;

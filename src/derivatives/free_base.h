@@ -7,11 +7,12 @@
    If A = 0 at the base, the wrenches of the links add up to f. The missing wrench tau - f gives A = y of the
    base: I y = tau - f, with I the inertia of the whole tree, by Newton's and Euler's laws about the centre of
    mass. In the common frame the A of all links increases by y. The torques are S' f + F' y, with f of the
-   subtree and F = I S. Gravity and the base's linear velocity are in y only: v_dot = y - w x v + gravity.
-   rbd_hybrid serves other models, and a y in doubt. */
+   subtree and F = I S. Gravity and the base's linear velocity are in the linear part y_v of y only:
+   v_dot = y_v - w x v + gravity. rbd_hybrid serves other models, and states in which y is in doubt. */
 
 #ifndef RBD_NO_CHOLESKY
-/* M^-1 x of turns, by pivots from the end, as in [packed matrix]: M = L'DL. z, y: 1/D of these rows. */
+/* M^-1 x for the 3 x 3 matrix M of turns, by pivots from the end, as in [packed matrix]: M = L'DL. z, y: 1/D
+   of these rows. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
     const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt);
     const rbd_real L_zy = M.yz * z;
@@ -101,7 +102,7 @@ RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, con
     if (rbdi_any(doubt)) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
     rbdi_put_torques(m, d, y, a, tau);
 
-    /* v_dot = y - w x v + gravity */
+    /* v_dot = y_v - w x v + gravity */
     y.v = rbdi_add(y.v, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)));
     y.v = rbdi_sub(y.v, rbdi_cross(d->V.omega, rbdi_load_vec(v + 3, 1)));
     rbdi_store_motion(a, 1, y);

@@ -16,7 +16,7 @@ typedef struct rbdi_segment {
     int16_t parent;     /* parent of the first dof, -1 = none */
     int16_t block;      /* whether it is a block */
     int16_t link;       /* link of the first dof */
-    int16_t origin;     /* of a root: end of the dofs of the links up to that of the common origin; else 0 */
+    int16_t origin;     /* of a root: end of the dofs from it to the link of the common origin; else 0 */
 } rbdi_segment;
 
 /* A dof: its entries in the results, and its place among the lanes. */
@@ -32,11 +32,11 @@ typedef struct rbdi_entry {
     int32_t row;       /* index of its row in a square matrix */
 } rbdi_entry;
 
-/* A batch in which dofs are ancestors of a dof or in its subtree, with a bit for each such lane. */
+/* A batch that has relatives of a dof, ancestors or dofs of its subtree, with a bit for the lane of each. */
 typedef struct rbdi_relatives {
     int32_t batch;  /* -1 ends a list */
     int16_t row;    /* index of the batch's first scalar in a row of entries */
-    int16_t whole;  /* in the first of a list: the list has all batches but those of a free base */
+    int16_t whole;  /* in the first of a dof's three lists: they have all batches but those of a free base */
     uint64_t lanes; /* as wide as a lane of doubles, with which it is compared */
 } rbdi_relatives;
 enum { RBDI_ON_PATH = 0, RBDI_IN_SUBTREE = 16 }; /* first bits: a batch has at most 16 lanes */

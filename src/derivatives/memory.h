@@ -141,22 +141,26 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
 RBDI_PART int rbdi_list_of(uint64_t lanes) {
     const int subtree = lanes >> RBDI_IN_SUBTREE != 0, path = lanes % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
     if (path && subtree) return 1;
-    return subtree ? 2 : path - 1;
+    if (subtree) return 2;
+    return path ? 0 : -1;
 }
 
-/* The lists of all dofs behind a free base. */
+/* The three lists of each dof behind a free base: batches with lanes on its path only, with both, with lanes
+   in its subtree only. */
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
     uint64_t *lanes = d->lanes;
 
     for (int i = d->base; i < d->n; ++i) {
         rbdi_relatives *list = rbdi_relatives_of(d, i), *rel = list;
 
+        /* the lanes of its relatives, by batch */
         for (int b = 0; b < d->batches; ++b) lanes[b] = 0;
         for (int j = d->entry[i].parent; j >= d->base; j = d->entry[j].parent)
             lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_ON_PATH + d->entry[j].lane);
         for (int j = i; j < d->entry[i].end; ++j)
             lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_IN_SUBTREE + d->entry[j].lane);
 
+        /* list by list, each with its end */
         for (int which = 0; which < 3; ++which) {
             for (int b = d->behind; b < d->batches; ++b) {
                 if (rbdi_list_of(lanes[b]) != which) continue;

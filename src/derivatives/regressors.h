@@ -195,8 +195,9 @@ RBDI_PART void rbdi_regress_body(const rbd_model *m, const rbd_derivatives *d, c
             rbd_real part[10];
             rbdi_regress(K, stride, S_k, part);
             for (int j = 0; j < 10; ++j) y[j] = y[j] + part[j] * ratio;
-        } else
+        } else {
             rbdi_regress(K, stride, S_k, y);
+        }
     }
 }
 

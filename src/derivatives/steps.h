@@ -13,19 +13,19 @@
        integrate     by q  exp(-ad)         by d   J_r = (1 - exp(-ad)) / ad
        difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)
 
-   ad is the dual number [w]x + eps [u]x: a function f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2 on the diagonal
-   and the derivative of f([w]x) along u below it. b and c are functions of x = w'w. With t_n = sum over k of
-   (-x)^k / (n + 2k)!, where 2 dt_n/dx = n t_n+2 - t_n+1, they are
+   ad is the dual number [w]x + eps [u]x: a function f(ad) has f([w]x) = 1 + k1 [w]x + k2 [w]x^2 on the
+   diagonal and the derivative of f([w]x) along u below it. k1 and k2 are functions of x = w'w. With t_n = sum
+   over k of (-x)^k / (n + 2k)!, where 2 dt_n/dx = n t_n+2 - t_n+1, they are
 
-       exp(-ad)   b = -t_1, c = t_2
-       J_r        b = -t_2, c = t_3
-       J_r^-1     b = 1/2,  c = (t_3 - 2 t_4) / (2 t_2)
+       exp(-ad)   k1 = -t_1, k2 = t_2
+       J_r        k1 = -t_2, k2 = t_3
+       J_r^-1     k1 = 1/2,  k2 = (t_3 - 2 t_4) / (2 t_2)
 
    Sola, Deray and Atchuthan (2018) for J_r; Barfoot, State Estimation for Robotics (2017), 7.1.5. */
 
-/* f(ad): b, c and their derivatives by x. */
+/* f(ad): k1, k2 and their derivatives by x. */
 typedef struct rbdi_ad_function {
-    rbd_real b, c, db, dc;
+    rbd_real k1, k2, dk1, dk2;
 } rbdi_ad_function;
 
 /* t_0 .. t_6 of a turn w: t_0 = cos, t_1 = sin / angle; from the series where x < 1, else
@@ -54,31 +54,31 @@ RBDI_INLINE rbd_real rbdi_tail_slope(const rbd_real t[7], int n) {
 
 enum { RBDI_EXP_MINUS_AD, RBDI_J_R, RBDI_J_R_INVERSE };
 
-/* b and c of the table above, and their derivatives. */
+/* k1 and k2 of the table above, and their derivatives. */
 RBDI_LOCAL rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real t[7]) {
     const int n = which == RBDI_EXP_MINUS_AD ? 1 : 2;
     rbdi_ad_function f;
 
     if (which == RBDI_J_R_INVERSE) {
         const rbd_real half = rbdi_set(RBD_C(0.5)), factor = half / t[2], slope = rbdi_tail_slope(t, 4);
-        f.b = half;
-        f.db = rbdi_zero();
-        f.c = (t[3] - (t[4] + t[4])) * factor;
-        f.dc = (rbdi_tail_slope(t, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(t, 2)) * factor;
+        f.k1 = half;
+        f.dk1 = rbdi_zero();
+        f.k2 = (t[3] - (t[4] + t[4])) * factor;
+        f.dk2 = (rbdi_tail_slope(t, 3) - (slope + slope) - (f.k2 + f.k2) * rbdi_tail_slope(t, 2)) * factor;
         return f;
     }
 
-    f.b = -t[n];
-    f.db = -rbdi_tail_slope(t, n);
-    f.c = t[n + 1];
-    f.dc = rbdi_tail_slope(t, n + 1);
+    f.k1 = -t[n];
+    f.dk1 = -rbdi_tail_slope(t, n);
+    f.k2 = t[n + 1];
+    f.dk2 = rbdi_tail_slope(t, n + 1);
     return f;
 }
 
 /* J = scale f(ad) of the step d = (w; u):
 
-       diagonal   1 + b [w]x + c [w]x^2                                   [w]x^2 = w w' - x
-       below it   b [u]x + c (w u' + u w' - slope) + slope (db [w]x + dc [w]x^2)
+       diagonal   1 + k1 [w]x + k2 [w]x^2                                     [w]x^2 = w w' - x
+       below it   k1 [u]x + k2 (w u' + u w' - slope) + slope (dk1 [w]x + dk2 [w]x^2)
 
    with slope = 2 w'u, the derivative of x along u. */
 RBDI_LOCAL void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_real J[6][6]) {
@@ -98,11 +98,11 @@ RBDI_LOCAL void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, 
                 shift = even ? u[k] : -u[k];
             }
 
-            J[i][j] = f.b * turn + f.c * ww;
+            J[i][j] = f.k1 * turn + f.k2 * ww;
             if (i == j) J[i][j] = J[i][j] + rbdi_set(RBD_C(1));
             J[i][j] = J[3 + i][3 + j] = J[i][j] * scale;
             J[i][3 + j] = rbdi_zero();
-            J[3 + i][j] = (f.b * shift + f.c * wu + slope * (f.db * turn + f.dc * ww)) * scale;
+            J[3 + i][j] = (f.k1 * shift + f.k2 * wu + slope * (f.dk1 * turn + f.dk2 * ww)) * scale;
         }
 }
 

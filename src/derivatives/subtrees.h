@@ -204,7 +204,7 @@ RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch mass,
     return F;
 }
 
-/* F + B (w; any): n + (tr(X) - X) w and f + w x P. */
+/* F + B S, which needs only w of S = (w; v): n + (tr(X) - X) w and f + w x P. */
 RBDI_INLINE rbdi_bforce rbdi_subtree_B_add(rbdi_bforce F, const rbdi_sums *s, rbdi_b3 w) {
     const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz;
 

@@ -7,8 +7,8 @@
 
 /* -- the three passes -- */
 
-/* Pass 1, one-axis link: omega, which is the parent's before, and the velocity-product acceleration c. With E
-   and z as in [state], omega_p of the parent and omega_E = E omega_p:
+/* Pass 1, one-axis link: its velocity-product acceleration c, and omega: the parent's becomes the link's.
+   With E, z, turn and slide as in [state], omega_p of the parent and omega_E = E omega_p:
 
        c_omega = omega_E x z turn
        c_v     = E (omega_p x (omega_p x r)) + omega_E x (omega_E x d z) + 2 omega_E x z slide
@@ -16,8 +16,10 @@
 RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int flags, rbdi_trig t, rbd_real qd,
                                           rbdi_v3 *omega) {
     const int screw = flags & RBDI_SLIDES;
+    const rbdi_v3 omega_p = *omega;
     rbd_real turn = screw ? qd * l->rho : qd;
     rbdi_motion c = rbdi_motion0();
+    rbdi_v3 omega_E;
 
     if (flags & RBDI_ROOT) {
         *omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
@@ -25,32 +27,35 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int flags, rbdi_tr
     }
 
     if (flags & RBDI_SHIFT_R)
-        c.v = rbdi_down(l, flags, t, rbdi_cross(*omega, rbdi_cross_shift(l, flags, *omega)));
-    *omega = rbdi_down(l, flags, t, *omega); /* omega_E, up to the last step */
-    c.omega.x = turn * omega->y;
-    c.omega.y = -(turn * omega->x);
+        c.v = rbdi_down(l, flags, t, rbdi_cross(omega_p, rbdi_cross_shift(l, flags, omega_p)));
+    omega_E = rbdi_down(l, flags, t, omega_p);
+    c.omega.x = turn * omega_E.y;
+    c.omega.y = -(turn * omega_E.x);
 
     if (flags & RBDI_SHIFT_Z) {
-        c.v.x = c.v.x + t.d * (omega->x * omega->z);
-        c.v.y = c.v.y + t.d * (omega->y * omega->z);
-        c.v.z = c.v.z - t.d * (omega->x * omega->x + omega->y * omega->y);
+        c.v.x = c.v.x + t.d * (omega_E.x * omega_E.z);
+        c.v.y = c.v.y + t.d * (omega_E.y * omega_E.z);
+        c.v.z = c.v.z - t.d * (omega_E.x * omega_E.x + omega_E.y * omega_E.y);
     }
 
     if (screw) {
-        rbd_real k = (qd + qd) * l->kappa;
-        c.v.x = c.v.x + k * omega->y;
-        c.v.y = c.v.y - k * omega->x;
+        rbd_real twice_slide = (qd + qd) * l->kappa;
+        c.v.x = c.v.x + twice_slide * omega_E.y;
+        c.v.y = c.v.y - twice_slide * omega_E.x;
     }
 
-    omega->z = omega->z + turn;
+    *omega = rbdi_vec(omega_E.x, omega_E.y, omega_E.z + turn);
     return c;
 }
 
-/* The same of a block, whose joint has the velocity J. */
+/* The same of a block: with J = S v, the velocity of its joint,
+
+       c = (omega_E x J_omega; E (omega_p x (omega_p x r)) + (2 omega_E + J_omega) x J_v) */
 RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
                                                 const rbd_real *v, rbdi_v3 *omega) {
+    const rbdi_v3 omega_p = *omega;
     rbdi_motion J = rbdi_block_motion(b, v), c = rbdi_motion0();
-    rbdi_v3 turned;
+    rbdi_v3 omega_E;
 
     if (rbdi_on_world(l)) { /* the world does not turn */
         *omega = J.omega;
@@ -58,15 +63,15 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
         return c;
     }
 
-    turned = rbdi_mul(X->E, *omega);
-    c = rbdi_joint_product(turned, J);
-    c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(*omega, rbdi_cross(*omega, X->r))));
-    *omega = rbdi_add(turned, J.omega);
+    omega_E = rbdi_mul(X->E, omega_p);
+    c = rbdi_joint_product(omega_E, J);
+    c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(omega_p, rbdi_cross(omega_p, X->r))));
+    *omega = rbdi_add(omega_E, J.omega);
     return c;
 }
 
-/* Pass 1, link i: its c, and in scratch.f its pA without external wrenches, what the velocity alone takes.
-   omega: that of link i - 1. Returns link i's. */
+/* Pass 1, link i: its c, and in scratch.f its pA without external wrenches: the wrench that moves the link
+   where omega_dot = acc = 0. Takes omega of link i - 1, returns that of link i. A root does not read it. */
 RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
                                         rbdi_v3 omega) {
     const rbdi_link *l = &m->link[i];
@@ -83,7 +88,7 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
     w->scratch[i].f = rbdi_wrench(l, flags, rbdi_omega_steady(omega), NULL);
     if (off_chain && l->branch >= 0) {
         w->branch[l->branch].state.omega = omega;
-        w->branch[l->branch].I = rbdi_abi_zero();
+        w->branch[l->branch].I = rbdi_abi_zero(); /* for the sum of pass 2 */
     }
 
     return omega;
@@ -98,8 +103,8 @@ RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_
     }
 }
 
-/* Adds IA and pA to the sums of the parent, a branch point, unless it is link i - 1, which takes them from
-   registers. */
+/* Hands the contribution of link i to its parent. Link i - 1 takes IA and pA as they are, from registers. Any
+   other parent is a branch point: they are added to its sums, and what link i - 1 takes becomes 0. */
 RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
     const int parent = m->link[i].parent;
     if (parent == i - 1) return;
@@ -115,8 +120,8 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
 }
 
 /* Pass 2, link i. IA and pA come with the contribution of link i + 1, or 0 if that is no child of link i, and
-   become link i's to its parent. The link's own pA stands in scratch.f, with the contributions of its other
-   children. */
+   become what link i - 1 takes from link i. The link's own pA stands in scratch.f, with the contributions of
+   its other children. */
 RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *tau,
                                      rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
@@ -147,8 +152,10 @@ RBDI_INLINE int rbdi_turns_first(const rbd_model *m, int i) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first < 3 : l->rho > 0;
 }
 
-/* Whether a joint has slid so far that dof.scale of the turning joint before it, taken at q = 0, is no
-   bound: the slide squared times the mass that slides is above RBDI_FAR times that. */
+/* Whether a joint has slid so far that dof.scale of the nearest turning joint before it is no bound, because
+   it is taken at q = 0:
+
+       slide^2 times the mass of the subtree that slides > RBDI_FAR dof.scale */
 RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
     rbdi_mask slid = rbdi_less(rbdi_zero(), rbdi_zero());
     if (!(RBDI_FEATURES & m->features & (RBDI_SLIDES | RBDI_OTHER_BLOCKS))) return slid;
@@ -157,14 +164,16 @@ RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
         const rbdi_link *l = &m->link[i];
         const int block = rbdi_is(l, RBDI_BLOCK);
         rbd_real square;
-        int turn = l->parent;
+        rbd_const scale;
+        int turning = l->parent;
         if (!block && !(rbdi_flags(l) & RBDI_SLIDES)) continue;
-        while (turn >= 0 && !rbdi_turns_first(m, turn)) turn = m->link[turn].parent;
-        if (turn < 0) continue;
+
+        while (turning >= 0 && !rbdi_turns_first(m, turning)) turning = m->link[turning].parent;
+        if (turning < 0) continue;
 
         square = block ? rbdi_dot(w->block[l->block].X.r, w->block[l->block].X.r) : w->d[i] * w->d[i];
-        slid = rbdi_or(
-            slid, rbdi_less(rbdi_set(m->dof[m->link[turn].iv].scale * RBDI_FAR), square * l->subtree_mass));
+        scale = m->dof[m->link[turning].iv].scale;
+        slid = rbdi_or(slid, rbdi_less(rbdi_set(scale * RBDI_FAR), square * l->subtree_mass));
     }
 
     return slid;
@@ -182,8 +191,9 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
     return doubt;
 }
 
-/* Pass 3: X y, for the parent's y = (omega_dot, classical acceleration minus gravity):
-   (E omega_dot; E (acc + omega_dot x r) + (E omega_dot) x d z). */
+/* Pass 3: X y, for the parent's y = (omega_dot; acc), acc the classical acceleration minus gravity:
+
+       X y = (E omega_dot; E (acc + omega_dot x r) + (E omega_dot) x d z) */
 RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int flags,
                                        rbdi_motion y) {
     const rbdi_link *l = &m->link[i];
@@ -202,6 +212,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, in
     return y;
 }
 
+/* The same of a block, whose d is 0. */
 RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link *l, rbdi_motion y) {
     const rbdi_pose *X = &w->block[l->block].X;
     y.v = rbdi_mul(X->E, rbdi_add(y.v, rbdi_cross(y.omega, X->r)));
@@ -209,25 +220,29 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
     return y;
 }
 
-/* Pass 3, one-axis link: y = X y_p + c, qdd = u/D - (U/D)' y, y += S qdd. x is qdd but for the term of
-   omega_dot_z. A revolute joint without armature has U_z/D = 1: its x is omega_dot_z + qdd, the new
-   omega_dot_z. */
+/* Pass 3, one-axis link:
+
+       y = X y_p + c,   qdd = u/D - (U/D)' y,   y += S qdd
+
+   x is qdd without the term of y.omega.z. A revolute joint without armature has U_z/D = 1, so that
+   qdd = x - y.omega.z: its new y.omega.z is x. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_scratch *own = &w->scratch[i];
+    const rbdi_scratch *scratch = &w->scratch[i];
+    const rbdi_force *U_D = &scratch->U_D;
     rbd_real x, qdd;
 
-    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, flags, y), own->c);
-    x = own->u_D - (own->U_D.n.x * y.omega.x + own->U_D.n.y * y.omega.y) - rbdi_dot(own->U_D.f, y.v);
+    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, flags, y), scratch->c);
+    x = scratch->u_D - (U_D->n.x * y.omega.x + U_D->n.y * y.omega.y) - rbdi_dot(U_D->f, y.v);
 
-    if (!(flags & (RBDI_SLIDES | RBDI_ARMATURE))) {
+    if (!rbdi_keeps_row_z(flags)) {
         a[l->iv] = x - y.omega.z;
         y.omega.z = x;
         return y;
     }
 
-    qdd = x - own->U_D.n.z * y.omega.z;
+    qdd = x - U_D->n.z * y.omega.z;
     if (flags & RBDI_SLIDES) {
         y.omega.z = y.omega.z + qdd * l->rho;
         y.v.z = y.v.z + qdd * l->kappa;
@@ -239,8 +254,9 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
     return y;
 }
 
-/* The same of a block, its axes one by one, the first first. A free base has all six axes and U/D only for
-   the axes before: its own U/D is 1, so that x is the new acceleration along it, as above. */
+/* The same of a block, its axes one by one, the first first. all: y as an array. A free base keeps U/D only
+   for the axes before: for its own axis it is 1, for those behind 0. So its qdd is x - y_k, and x the new
+   y_k. */
 RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
                                           rbd_real *a) {
     const rbdi_link *l = &m->link[i];
@@ -271,7 +287,7 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     return rbdi_load_motion(all, 1);
 }
 
-/* Pass 3, link i: y of link i - 1, or of the parent, becomes link i's. */
+/* Pass 3, link i: takes y of link i - 1, returns that of link i. world: y of the world. */
 RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int i, int flags,
                                             const rbdi_motion *world, rbdi_motion y, rbd_real *a) {
     const rbdi_link *l = &m->link[i];
@@ -291,13 +307,14 @@ RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int
     return y;
 }
 
-/* Pass 3. world: its acceleration, minus gravity. */
-RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rbd_real *a) {
-    rbdi_motion root = rbdi_motion0(), y;
-    root.v = world;
-    y = root;
+/* Pass 3, root to leaves. minus_g: acceleration of the world, minus gravity. */
+RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 minus_g, rbd_real *a) {
+    rbdi_motion world = rbdi_motion0(), y;
+
+    world.v = minus_g;
+    y = world;
     for (int i = 0; i < m->nl; ++i)
-        RBDI_BY_FLAGS(const int flags, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, flags, &root, y, a));
+        RBDI_BY_FLAGS(const int flags, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, flags, &world, y, a));
 }
 
 #endif

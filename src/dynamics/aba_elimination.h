@@ -21,9 +21,13 @@
 
    This room has what pass 2 does with one link, aba.h the three passes. */
 
-/* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
+/* Whether row z of I and H is not zero after the joint of a one-axis link is eliminated. */
+RBDI_INLINE int rbdi_keeps_row_z(int flags) { return flags & (RBDI_SLIDES | RBDI_ARMATURE); }
+
+/* Articulated-body inertia of a one-axis link, to the parent's axes and origin: X' IA X, as the slide d, the
+   turns by q, alpha and beta, and the shift r. */
 RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_abi IA) {
-    if (flags & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, flags & (RBDI_SLIDES | RBDI_ARMATURE), IA);
+    if (flags & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, rbdi_keeps_row_z(flags), IA);
     IA = rbdi_abi_up_z(0, t.c, t.s, IA);
     IA = rbdi_abi_up_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
     if (!(flags & RBDI_SHIFT_R)) return rbdi_abi_uncycle(IA);
@@ -34,6 +38,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbd
     return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
 }
 
+/* The same of a block. */
 RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *X, rbdi_abi IA) {
     IA.I = rbdi_sym_up(X->E, IA.I);
     IA.H = rbdi_mat_up(X->E, IA.H);
@@ -41,7 +46,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *X, rbdi_abi IA) {
     return rbdi_abi_shift(X->r, IA);
 }
 
-/* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
+/* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; -[h]x, m]. */
 RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int flags, rbdi_abi IA) {
     const rbdi_csym Sigma = l->Sigma;
     const rbdi_c3 h = l->h;
@@ -84,7 +89,7 @@ RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int flags, const rbdi_a
     return U;
 }
 
-/* IA becomes Ia = IA - U U'/D, but for row z of I and H. U_D = U/D. */
+/* IA becomes Ia = IA - U U'/D, without row z of I and H. U_D = U/D. */
 RBDI_INLINE void rbdi_aba_subtract(rbdi_force U, rbdi_force U_D, rbdi_abi *IA) {
     IA->I.xx = IA->I.xx - U.n.x * U_D.n.x;
     IA->I.xy = IA->I.xy - U.n.x * U_D.n.y;
@@ -105,7 +110,11 @@ RBDI_INLINE void rbdi_aba_subtract(rbdi_force U, rbdi_force U_D, rbdi_abi *IA) {
     IA->M.zz = IA->M.zz - U.f.z * U_D.f.z;
 }
 
-/* pA becomes pa = pA + Ia c + U u/D, but for its moment about z. u_D = u/D. c.omega.z is always 0. */
+/* pA becomes pa = pA + Ia c + U u/D, without the moment about z:
+
+       n += I c_omega + H c_v + U_n u/D,   f += H' c_omega + M c_v + U_f u/D
+
+   u_D = u/D. c.omega.z is always 0. */
 RBDI_INLINE void rbdi_aba_add_bias(const rbdi_abi *Ia, const rbdi_motion *c, rbdi_force U, rbd_real u_D,
                                    rbdi_force *pA) {
     pA->n.x = pA->n.x + (Ia->I.xx * c->omega.x + Ia->I.xy * c->omega.y) + U.n.x * u_D;
@@ -119,7 +128,7 @@ RBDI_INLINE void rbdi_aba_add_bias(const rbdi_abi *Ia, const rbdi_motion *c, rbd
     pA->f = rbdi_add(pA->f, rbdi_mul_sym(Ia->M, c->v));
 }
 
-/* The rest of both: row z of I and H, and the moment of pa about z. */
+/* The rest of the two, for a joint that keeps row z: row z of I and H in Ia, and the moment of pa about z. */
 RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U_D, rbd_real u_D,
                                 rbdi_abi *IA, rbdi_force *pA) {
     IA->I.xz = IA->I.xz - U.n.x * U_D.n.z;
@@ -136,18 +145,20 @@ RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U
 /* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia, pA becomes pa. */
 RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int flags, rbd_real tau,
                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const int full = flags & (RBDI_SLIDES | RBDI_ARMATURE); /* row z stays: see [aba] */
+    const int row_z = rbdi_keeps_row_z(flags);
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
-    rbdi_scratch *own = &w->scratch[i];
+    rbdi_scratch *scratch = &w->scratch[i];
     rbdi_force U, U_D;
     rbd_real D, inverse, u_D;
 
     /* U = IA S,  D = S' U + armature,  u = tau - S' pA */
     U = rbdi_abi_axis(l, flags, IA);
     D = rbdi_along_axis(l, flags, U);
-    if (full) D = D + dof->armature;
+    if (row_z) D = D + dof->armature;
     w->pivot[l->iv] = D;
+
+    /* U/D and u/D */
     inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
     u_D = (tau - rbdi_along_axis(l, flags, *pA)) * inverse;
     U_D.n.x = inverse * U.n.x;
@@ -155,18 +166,18 @@ RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int 
     U_D.f = rbdi_scale(inverse, U.f);
 
     /* kept for pass 3 */
-    own->U_D.n.x = U_D.n.x;
-    own->U_D.n.y = U_D.n.y;
-    own->U_D.f = U_D.f;
-    own->u_D = u_D;
+    scratch->U_D.n.x = U_D.n.x;
+    scratch->U_D.n.y = U_D.n.y;
+    scratch->U_D.f = U_D.f;
+    scratch->u_D = u_D;
 
     /* Ia = IA - U U'/D,  pa = pA + Ia c + U u/D */
     rbdi_aba_subtract(U, U_D, IA);
-    rbdi_aba_add_bias(IA, &own->c, U, u_D, pA);
-    if (full) {
+    rbdi_aba_add_bias(IA, &scratch->c, U, u_D, pA);
+    if (row_z) {
         U_D.n.z = inverse * U.n.z;
-        own->U_D.n.z = U_D.n.z;
-        rbdi_aba_row_z(&own->c, U, U_D, u_D, IA, pA);
+        scratch->U_D.n.z = U_D.n.z;
+        rbdi_aba_row_z(&scratch->c, U, U_D, u_D, IA, pA);
         return;
     }
 
@@ -181,9 +192,11 @@ RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int flags, 
                              rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
+
     *IA = rbdi_abi_add_link(l, flags, *IA);
     rbdi_aba_eliminate(m, w, i, flags, tau[l->iv], IA, pA, doubt);
     if (flags & RBDI_ROOT) return;
+
     *IA = rbdi_abi_up(l, flags, t, *IA);
     *pA = rbdi_force_up(l, flags, t, *pA);
 }
@@ -193,22 +206,23 @@ RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
     return rbdi_on_world(l) && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 
-/* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
-   L'DL. Only the lower triangle is kept; for a free base, which has no parent, only the part for the axes
-   before. */
-RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
-                                 rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i_link];
+/* Pass 2, block link: eliminates its axes s one by one, the last first, so that the pivots are those of M =
+   L'DL. A and P are IA and pA as arrays, of A only the lower triangle. U/D is kept for all six axes; a free
+   base, which has no parent, needs it for the axes before s only. */
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int link, const rbd_real *tau, rbdi_abi *IA,
+                                 rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[link];
     const rbdi_block *b = rbdi_block_of(m, l);
-    const rbdi_motion c = w->scratch[i_link].c;
+    const rbdi_motion c = w->scratch[link].c;
     rbdi_block_work *bw = &w->block[l->block];
     rbd_real A[6][6], P[6];
     rbdi_abi Ia;
     rbdi_force pa;
 
-    /* axis by axis, s: A = IA - U U'/D,  P = pA + U u/D */
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
+
+    /* each axis s: A -= U U'/D,  P += U u/D */
     for (int k = b->n - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
         const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;

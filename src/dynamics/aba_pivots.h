@@ -4,17 +4,19 @@
 #include "dynamics/pivots.h"
 
 /* -- by articulated bodies --
-   e_k by the recursion of IA, from the leaves to the root. With V = U/D, a link whose joint gives way moves
-   by P = 1 - S V' of its parent's motion:
+   The bound e_k of [pivots], summed from the leaves to the root. K of a link is for IA what e is for a pivot:
+   a bound of the terms whose sum it is. K obeys the recursion of IA. With V = U/D, a joint that gives way
+   leaves its link P = 1 - S V' of the parent's motion, so that
 
-       Ka = P' K P + V G V'                as Ia = P' IA P + V armature V' = IA - U U'/D
-       K_p += X' (Ka + rounding) X,   e = S' K S + G
+       Ia = P' IA P + V armature V'        which is IA - U U'/D
+       Ka = P' K P + V G V'                with G of [pivots] for the armature
+       K_p += X' (Ka + rounding) X         a change of frame rounds each entry by a share of the largest
+       e = S' K S + G
 
-   K begins with the inertias of the link's bodies, G is that of [pivots]. A change of frame rounds each
-   entry by a share of the largest. */
+   K begins with the inertias of the link's bodies. */
 
-/* S of dof k of link i, and its V, as pass 2 left it. V_z of a revolute joint without armature is 1; a free
-   base has V only for the axes before S. */
+/* S of dof k of link i, and its V = U/D, as pass 2 left it. Pass 2 does not store V_z of a revolute joint
+   without armature, which is 1, nor V of a free base but for the axes before S. */
 RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int k, rbd_real S[6],
                                rbd_real V[6]) {
     const rbdi_link *l = &m->link[i];
@@ -35,10 +37,13 @@ RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int
     if (!(rbdi_flags(l) & (RBDI_SLIDES | RBDI_ARMATURE))) V[2] = rbdi_set(RBD_C(1));
 }
 
-/* K becomes P' K P + V G V'. Returns S' K S. */
+/* K becomes P' K P + V G V', P = 1 - S V'. Returns e = S' K S. Multiplied out:
+
+       P' K P + V G V' = K - V (K S)' - (K S) V' + (e + G) V V' */
 RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rbd_real V[6], rbd_real G) {
     rbd_real KS[6], e = rbdi_zero();
 
+    /* K S and S' K S */
     for (int i = 0; i < 6; ++i) {
         KS[i] = rbdi_zero();
         for (int j = 0; j < 6; ++j) KS[i] = KS[i] + K[i][j] * S[j];
@@ -50,14 +55,15 @@ RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rb
     return e;
 }
 
-/* Adds to three diagonal entries the share of the largest that a change of frame rounds. */
+/* Adds the rounding of a change of frame to three diagonal entries, from `first` on: a share of the largest
+   of them. */
 RBDI_COLD void rbdi_add_rounding(rbd_real K[6][6], int first) {
     rbd_real most = rbdi_zero();
     for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);
     for (int j = first; j < first + 3; ++j) K[j][j] = K[j][j] + most * RBDI_TURN;
 }
 
-/* Pose of a link in its parent. */
+/* Pose of a link in its parent. Column j of E is the parent's axis j in the link's axes. */
 RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, int i) {
     const rbdi_link *l = &m->link[i];
     const int flags = rbdi_flags(l);
@@ -86,7 +92,7 @@ RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, i
     return X;
 }
 
-/* K becomes X' K X: each of its columns is a wrench, and then each of the rows. */
+/* K becomes X' K X. X' takes a wrench to the parent's frame: first each column of K, then each row. */
 RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
     for (int j = 0; j < 12; ++j) {
         rbd_real *wrench = j < 6 ? &K[0][j] : K[j - 6];
@@ -95,22 +101,25 @@ RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
     }
 }
 
-/* K of link i, the sum of its children's shares, becomes its share in the parent's K. */
+/* Checks the pivots of link i. K, the sum over its children, becomes its contribution to the parent's K. */
 RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask doubt, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
-    rbd_real own[6], S[6], V[6];
+    rbd_real inertia[6], S[6], V[6];
     rbdi_pose X;
 
+    /* the inertias of the link's bodies */
     for (int b = 0; b < m->nb; ++b) {
         if (m->frame[b].link != i) continue;
-        rbdi_body_inertia(m, b, own);
-        for (int j = 0; j < 6; ++j) K[j][j] = K[j][j] + own[j];
+        rbdi_body_inertia(m, b, inertia);
+        for (int j = 0; j < 6; ++j) K[j][j] = K[j][j] + inertia[j];
     }
 
+    /* each dof: e = S' K S + G, its verdict, K = P' K P + V G V' */
     for (int k = rbdi_link_dofs(m, l) - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
         const rbd_real G = rbdi_abs(w->pivot[l->iv + k]) + dof->scale * RBDI_SHARE + dof->armature;
         rbd_real e;
+
         rbdi_pivot_axis(m, w, i, k, S, V);
         e = rbdi_give_way(K, S, V, G) + G;
         rbdi_check_pivot(w, l->iv + k, e, doubt);
@@ -118,13 +127,15 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
 
     if (l->parent < 0) return;
 
+    /* X' (K + rounding) X */
     X = rbdi_pose_in_parent(m, w, i);
     rbdi_add_rounding(K, 0);
     rbdi_add_rounding(K, 3);
     rbdi_carry_up(&X, K);
 }
 
-/* Checks the pivots of the last pass 2. */
+/* Checks the pivots of the last pass 2, leaves first. The sums of branch points' K stand where those of IA
+   did. */
 RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doubt) {
     rbd_real K[6][6];
 
@@ -135,10 +146,11 @@ RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doub
         const rbdi_link *l = &m->link[i];
 
         if (l->branch >= 0) {
-            rbd_real L[6][6];
-            rbdi_abi_to_array(w->branch[l->branch].I, L);
+            rbd_real others[6][6]; /* the lower triangle of the other children's sum */
+
+            rbdi_abi_to_array(w->branch[l->branch].I, others);
             for (int r = 0; r < 6; ++r)
-                for (int s = 0; s < 6; ++s) K[r][s] = K[r][s] + L[r > s ? r : s][r > s ? s : r];
+                for (int s = 0; s < 6; ++s) K[r][s] = K[r][s] + others[r > s ? r : s][r > s ? s : r];
         }
 
         rbdi_check_link(m, w, i, doubt, K);

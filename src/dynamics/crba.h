@@ -88,10 +88,10 @@ RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C)
     return own;
 }
 
-/* Moves the wrenches of the dofs of link i's subtree to the parent's frame, and that of its own dof, which is
-   not there yet. They are kept by component, so that a batch of them moves at once; batches count from the
-   last dof down and may reach below the first: what lies there is not set yet. The link's own is put into the
-   batch, for a batch cannot be loaded without a wait from where scalars were stored just before. */
+/* Moves the wrenches of the dofs of link i's subtree to the parent's frame: those in w->F, and `own` of its
+   own dof, which is not there yet. They are kept by component, so that a batch of them moves at once. Batches
+   count from the last dof down. The last one may reach below the first dof, where nothing is set yet. `own`
+   goes directly into the batch: to load a batch where scalars were just stored makes the processor wait. */
 RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                               rbdi_force own) {
     const rbdi_link *l = &m->link[i];
@@ -152,7 +152,7 @@ RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int k, int depth, 
     return e;
 }
 
-/* The entry of solver's dof j. */
+/* Stores the entry of the solver's dof j. */
 RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x) {
     if (!e.full) {
         e.H[e.order[j].row] = x;
@@ -260,15 +260,16 @@ RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i
     return rbdi_rbi_zero();
 }
 
-/* The same, of any flags and stride. */
+/* The same with flags and stride that the compiler does not know. */
 RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
                               rbdi_rbi *carried, rbd_real *H, rbd_real *M) {
     *carried = rbdi_crba_step(m, w, i, rbdi_flags(&m->link[i]), stride, *carried, H, M);
 }
 
-/* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before.
-   With mimic joints into H and the rows behind it; rbdi_reduce_H does the rest. At -Os the full matrix alone
-   has code for common flags, which saves a fifth of its instructions: packed it is a part of larger calls. */
+/* RBDA table 6.2, into the packed tree matrix H or, if M is given, into the full matrix, which is zero
+   before. With mimic joints into H and the rows behind it, which rbdi_reduce_H adds up. `full` is M != NULL,
+   known to the compiler: at -Os the full matrix has code for common flags, which saves a fifth of its
+   instructions. The packed one has none: there it is a part of larger calls. */
 RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M, int full) {
     const rbd_model model = *m; /* copies, which no store into H or w->F can be thought to change */
     const rbd_work work = *w;
@@ -276,6 +277,8 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
 
     for (int i = 0; i < m->nbranch; ++i) w->branch[i].C = carried;
+
+    /* more dofs than the fixed stride is for */
     for (int i = m->nl - 1; RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE && i >= 0; --i)
         rbdi_crba_link(&model, &work, i, stride, &any, H, M);
     if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) return;
@@ -289,7 +292,7 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
                              carried = rbdi_crba_step(&model, &work, i, flags, usual, carried, H, M));
 }
 
-/* The dof that carries this one, itself unless it mimics, and its share of that. */
+/* The dof whose velocity dof k has, itself unless it mimics, and its ratio to that. */
 RBDI_INLINE int rbdi_source(const rbd_model *m, int k) {
     return k < m->nv ? k : m->mimic[k - m->nv].source_v;
 }

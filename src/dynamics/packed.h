@@ -9,8 +9,8 @@
 
 /* -- the factor, and what it solves -- */
 
-/* First U = D L: its row i is row i of M less L_ki U_k for all descendants k. Returns whether a pivot is in
-   doubt. */
+/* M = L'DL in place, RBDA table 6.3. First U = D L from the leaves to the root: its row i is row i of M less
+   L_ki U_k for all descendants k. Then L = D^-1 U. Returns whether a pivot is in doubt. */
 RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     const rbdi_node *node = m->node;
     rbd_real *inverse = w->F; /* 1/D, by node */
@@ -31,7 +31,7 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
         g.node = node + s + 1;
         g.n = node[s].descendants;
         g.d = dof->depth;
-        if (g.n > 0) rbdi_subtract_columns(g, RBDI_OWN, dof->depth + 1, row);
+        if (g.n > 0) rbdi_subtract_columns(g, RBDI_ELIMINATED, dof->depth + 1, row);
 
         doubt = rbdi_or(doubt, rbdi_less(row[dof->depth], whole * RBDI_DOUBT));
         w->pivot[node[s].dof] = row[dof->depth];
@@ -43,6 +43,9 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
         rbdi_multiply(&H[m->dof[k].row], H[m->dof[k].row + m->dof[k].depth], m->dof[k].depth);
     return doubt;
 }
+
+/* One vector has functions of its own: its batches are entries of a row, those of many columns below are
+   columns. */
 
 /* Solves L' y = x, in place, from the leaves: y_i = x_i - sum over the descendants k of L_ki y_k. `path`, by
    depth on a dof's path, has the sums that its descendants subtract. It is stored as it is loaded, in batches
@@ -102,8 +105,8 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
     rbdi_vector_forward(m, w, L, x);
 }
 
-/* X = L'^-1 X, and so Y: n columns of one matrix or two, by so many batches, or (batches = 0) of one by
-   scalars. */
+/* X = L'^-1 X, and with two matrices Y = L'^-1 Y: n columns, in so many batches or, with batches = 0, one
+   matrix in scalars. */
 RBDI_INLINE void rbdi_columns_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                          int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
     ptrdiff_t *start = w->start; /* by node */
@@ -130,7 +133,7 @@ RBDI_INLINE void rbdi_columns_transposed(const rbd_model *m, rbd_work *w, const 
     }
 }
 
-/* Then X = sign L^-1 D^-1 X, and so Y. */
+/* Then X = sign L^-1 D^-1 X, and Y likewise. */
 RBDI_INLINE void rbdi_columns_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                       ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                       rbd_real *Y) {
@@ -157,7 +160,7 @@ RBDI_INLINE void rbdi_columns_forward(const rbd_model *m, rbd_work *w, const rbd
     }
 }
 
-/* One of the two, of columns that are a number of batches (or of scalars, with batches = 0). */
+/* One of the two. */
 RBDI_INLINE void rbdi_columns_half(const rbd_model *m, rbd_work *w, const rbd_real *L, int transposed,
                                    int sign, ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                    rbd_real *Y) {
@@ -167,8 +170,8 @@ RBDI_INLINE void rbdi_columns_half(const rbd_model *m, rbd_work *w, const rbd_re
         rbdi_columns_forward(m, w, L, sign, stride, matrices, batches, n, X, Y);
 }
 
-/* The same of any number of columns of one matrix, or of at most half of RBDI_ROW batches of columns of
-   two. */
+/* The same for any number n of columns: of one matrix, or of two whose rows have at most RBDI_ROW / 2
+   batches. */
 RBDI_INLINE void rbdi_solve_half(const rbd_model *m, rbd_work *w, const rbd_real *L, int transposed, int sign,
                                  ptrdiff_t stride, int matrices, int n, rbd_real *X, rbd_real *Y) {
     while (n > 0) {

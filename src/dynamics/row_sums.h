@@ -83,14 +83,16 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real factor, const rbd_real *x, 
     } while (0);
 #endif
 
-/* n rows and their factors, to be subtracted from a row y. Row t and its factor are
-     RBDI_OWN          at X + node[t].row; factor x[t] times the row's entry in column d
-     RBDI_DESCENDANTS  at X + start[t]; factor x[node[t].row]
-     RBDI_PATH         at X + start[t]; factor x[t]; y is multiplied by scale before
-     RBDI_FRESH        the same, y is 0 before
-     RBDI_EQUIDISTANT  at X + t stride; factor x[t]
-   Y: a second matrix with its rows at the same places. */
-enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
+/* n rows and their factors, to be subtracted from a row y. Row t and its factor are, for
+
+     RBDI_ELIMINATED   rbdi_factor: at X + node[t].row; factor x[t] times the row's entry in column d
+     RBDI_DESCENDANTS  the first half of a solution: at X + start[t]; factor x[node[t].row]
+     RBDI_PATH         the second half: at X + start[t]; factor x[t]; y is multiplied by scale before
+     RBDI_FRESH        rbdi_invert: the same, y is 0 before
+     RBDI_EQUIDISTANT  rbdi_subtract_product: at X + t stride; factor x[t]
+
+   Each sets the fields that it uses. Y: a second matrix with its rows at the same places. */
+enum { RBDI_ELIMINATED, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
 
 typedef struct rbdi_terms {
     const rbd_real *X, *Y; /* the matrices with the rows */
@@ -105,28 +107,32 @@ typedef struct rbdi_terms {
 /* Where row t starts, and its factor. */
 RBDI_INLINE ptrdiff_t rbdi_start_of(const rbdi_terms *g, int which, int t) {
     if (which == RBDI_EQUIDISTANT) return t * g->stride;
-    return which == RBDI_OWN ? g->node[t].row : g->start[t];
+    return which == RBDI_ELIMINATED ? g->node[t].row : g->start[t];
 }
 
 RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const rbd_real *row) {
-    if (which == RBDI_OWN) return g->x[t] * row[g->d];
+    if (which == RBDI_ELIMINATED) return g->x[t] * row[g->d];
     return g->x[which == RBDI_DESCENDANTS ? g->node[t].row : t];
 }
 
 /* y less the rows of X and, with two matrices, z less those of Y: so many batches, the last of which begins
-   with column `last`. */
+   with column `last`. Descendants come last to first: the row computed just before is the last one. */
 RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
 
-    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-        const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
-        sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
-        if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
+    /* y and z, or 0 */
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+        RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+            if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
+        }
     }
 
+    /* less x times each row */
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
-        const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
+        const int t = which == RBDI_ELIMINATED || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
         const rbd_real *row = g.X + rbdi_start_of(&g, which, t),
                        *other = matrices > 1 ? g.Y + rbdi_start_of(&g, which, t) : row;
         const rbd_real x = rbdi_factor_of(&g, which, t, row);
@@ -134,14 +140,20 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
         RBDI_ONE_INDEX(row);
         if (matrices > 1) RBDI_ONE_INDEX(other);
 
-        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-            const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
-            sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
+        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+            RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+                const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
+                sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
+            }
         }
     }
 
-    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
-        (rbdi_batch *)((a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[a][b];
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+        RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            rbd_real *to = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            *(rbdi_batch *)to = sum[a][b];
+        }
+    }
 }
 
 /* The same of one matrix with n columns, fewer than a batch. */
@@ -154,7 +166,7 @@ RBDI_INLINE void rbdi_subtract_scalars(rbdi_terms g, int which, int n, rbd_real 
     }
 
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
-        const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
+        const int t = which == RBDI_ELIMINATED || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
         const rbd_real *row = g.X + rbdi_start_of(&g, which, t), x = rbdi_factor_of(&g, which, t, row);
         RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) sum[b] = sum[b] - row[b] * x;
     }

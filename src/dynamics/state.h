@@ -15,12 +15,13 @@
    Table 5.1 has a_i = X a_p + S qdd + c with c = v x S qd. The terms of c with linear velocity are in Omega
    here. */
 
-/* Velocity-product terms that a joint with velocity J adds to (omega_dot, acc); omega is the parent's angular
-   velocity in link axes. */
-RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega, rbdi_motion J) {
+/* Velocity-product terms that a joint with velocity J adds to (omega_dot; acc), with omega_E = E omega_p:
+
+       (omega_E x J_omega; (2 omega_E + J_omega) x J_v) */
+RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega_E, rbdi_motion J) {
     rbdi_motion c;
-    c.omega = rbdi_cross(omega, J.omega);
-    c.v = rbdi_cross(rbdi_add(rbdi_add(omega, omega), J.omega), J.v);
+    c.omega = rbdi_cross(omega_E, J.omega);
+    c.v = rbdi_cross(rbdi_add(rbdi_add(omega_E, omega_E), J.omega), J.v);
     return c;
 }
 
@@ -37,7 +38,7 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_tri
                                          rbd_real qd, rbd_real qdd) {
     const int screw = flags & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
-    rbdi_v3 omega = rbdi_vec0();
+    rbdi_v3 omega_E = rbdi_vec0(); /* E omega_p */
     rbdi_state s;
 
     /* omega, omega_dot, acc_p + Omega_p r */
@@ -45,17 +46,17 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_tri
         s.omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         s.omega_dot = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
     } else {
-        omega = rbdi_down(l, flags, t, p.omega);
+        omega_E = rbdi_down(l, flags, t, p.omega);
         s.omega_dot = rbdi_down(l, flags, t, p.omega_dot);
-        s.omega_dot = rbdi_vec(s.omega_dot.x + turn * omega.y, s.omega_dot.y - turn * omega.x,
+        s.omega_dot = rbdi_vec(s.omega_dot.x + turn * omega_E.y, s.omega_dot.y - turn * omega_E.x,
                                s.omega_dot.z + turn_rate);
-        s.omega = rbdi_vec(omega.x, omega.y, omega.z + turn);
+        s.omega = rbdi_vec(omega_E.x, omega_E.y, omega_E.z + turn);
         if (flags & RBDI_SHIFT_R) p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, flags, p));
     }
 
     /* acc = E (acc_p + Omega_p r) + Omega d z + 2 (E omega_p) x z slide + z slide_dot */
     s.acc = rbdi_down(l, flags, t, p.acc);
-    if (flags & RBDI_SHIFT_Z) { /* points of the axis belong to both bodies */
+    if (flags & RBDI_SHIFT_Z) { /* Omega z is also that of the parent: the axis is fixed in both bodies */
         const rbdi_mat O = rbdi_omega(s.omega, s.omega_dot);
         s.acc.x = s.acc.x + t.d * O.xz;
         s.acc.y = s.acc.y + t.d * O.yz;
@@ -63,32 +64,37 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_tri
     }
 
     if (screw) {
-        rbd_real k = (qd + qd) * l->kappa;
-        s.acc.x = s.acc.x + k * omega.y;
-        s.acc.y = s.acc.y - k * omega.x;
+        rbd_real twice_slide = (qd + qd) * l->kappa;
+        s.acc.x = s.acc.x + twice_slide * omega_E.y;
+        s.acc.y = s.acc.y - twice_slide * omega_E.x;
         s.acc.z = s.acc.z + qdd * l->kappa;
     }
 
     return s;
 }
 
-/* The same of a block; s: the parent's state, which becomes the link's. */
+/* The same of a block. s: the parent's state, which becomes the link's. With J = S v, Jd = S a, omega_E =
+   E omega_p and c of rbdi_joint_product:
+
+       omega     = omega_E + J_omega
+       omega_dot = E omega_dot_p + c_omega + Jd_omega
+       acc       = E (acc_p + Omega_p r) + c_v + Jd_v */
 RBDI_PART void rbdi_forward_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
                                   const rbd_real *v, const rbd_real *a, rbdi_state *s) {
     const rbdi_block *b = rbdi_block_of(m, l);
     const rbdi_pose *X = &w->block[l->block].X;
     const rbdi_motion J = rbdi_block_motion(b, &v[l->iv]), Jd = rbdi_block_motion(b, &a[l->iv]);
     rbdi_motion c;
-    rbdi_v3 omega = rbdi_vec0(), omega_dot = omega, acc = s->acc;
+    rbdi_v3 omega_E = rbdi_vec0(), omega_dot = omega_E, acc = s->acc;
 
-    if (!rbdi_on_world(l)) {
-        omega = rbdi_mul(X->E, s->omega);
+    if (!rbdi_on_world(l)) { /* the world does not turn */
+        omega_E = rbdi_mul(X->E, s->omega);
         omega_dot = rbdi_mul(X->E, s->omega_dot);
         acc = rbdi_add(acc, rbdi_mul(rbdi_omega(s->omega, s->omega_dot), X->r));
     }
 
-    c = rbdi_joint_product(omega, J);
-    s->omega = rbdi_add(omega, J.omega);
+    c = rbdi_joint_product(omega_E, J);
+    s->omega = rbdi_add(omega_E, J.omega);
     s->omega_dot = rbdi_add(omega_dot, rbdi_add(c.omega, Jd.omega));
     s->acc = rbdi_add(rbdi_mul(X->E, acc), rbdi_add(c.v, Jd.v));
 }
@@ -101,7 +107,10 @@ RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity) {
     return s;
 }
 
-/* Wrench that moves a link: f = Omega h + m acc, n_x = K_zy - K_yz and so on of K = Omega Sigma + acc h'.
+/* Wrench that moves a link, with O = Omega:
+
+       f = Omega h + m acc,   n = (K_zy - K_yz; K_xz - K_zx; K_yx - K_xy),   K = Omega Sigma + acc h'
+
    A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
 RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int flags, rbdi_mat O, const rbdi_v3 *acc) {
     const rbdi_csym Sigma = l->Sigma;

@@ -1,6 +1,6 @@
 #ifndef RBDI_ESTIMATE_CHECK_H
 #define RBDI_ESTIMATE_CHECK_H
-#include "base/compiler.h"
+#include "model/calls.h"
 #include "estimate/layout.h"
 
 /* ---- estimate checks [estimate checks] ---- */
@@ -27,9 +27,7 @@ RBDI_PART rbd_status rbdi_est_check_finite(const rbd_real *x, int n, const char 
 
 /* Whether memory of a model with this shape fits the model. */
 RBDI_PART rbd_status rbdi_est_check_shape(const rbd_model *m, const uint64_t shape[RBDI_SHAPE]) {
-    for (int k = 0; k < RBDI_SHAPE; ++k)
-        if (m->shape[k] != shape[k]) return RBD_ERR_WORK;
-    return RBD_OK;
+    return rbdi_has_shape(m, shape) ? RBD_OK : RBD_ERR_WORK;
 }
 
 RBDI_PART rbd_status rbdi_est_check_friction(const rbd_joint_friction *f, int n, rbd_estimate_fault *fault) {

@@ -106,7 +106,7 @@ RBDI_LOCAL void rbdi_est_load_deviations(const rbd_estimate *e, const rbd_real T
         for (int j = 0; j < 10; ++j) y[j] = rbdi_set(j == k ? RBD_C(1) : RBD_C(0));
         rbdi_est_pseudo_factors(y, e->scale, c);
         rbdi_est_solve_lower(T, RBDI_EST_TEN, RBDI_EST_TEN_ROW, c);
-        pi[k] = (rbd_const)(e->known ? rbdi_zero() : rbdi_sqrt(rbdi_est_sum_of_squares(c, RBDI_EST_TEN)));
+        pi[k] = (rbd_const)rbdi_sqrt(rbdi_est_sum_of_squares(c, RBDI_EST_TEN));
     }
 }
 
@@ -115,8 +115,10 @@ RBDI_API rbd_status rbd_estimate_deviations(const rbd_estimate *e, rbd_const pay
     rbd_real T[RBDI_EST_LOAD_TRIANGLE], deviation[RBDI_EST_FRICTIONS];
     if (!e) return RBD_ERR_NULL;
 
-    rbdi_est_load_triangle(e, T);
-    if (payload) rbdi_est_load_deviations(e, T, payload);
+    for (int k = 0; k < RBDI_EST_TEN && payload && e->known; ++k) payload[k] = RBD_C(0);
+    if (!e->known) rbdi_est_load_triangle(e, T);
+    if (!e->known && payload) rbdi_est_load_deviations(e, T, payload);
+
     for (int i = 0; i < e->nv && friction; ++i) {
         rbdi_est_friction_deviations(e, i, T, deviation);
         friction[i].offset = deviation[0];
@@ -127,14 +129,18 @@ RBDI_API rbd_status rbd_estimate_deviations(const rbd_estimate *e, rbd_const pay
 }
 
 /* Forgets the payload, not the friction, which is kept for the payload that the samples so far tell of. */
-RBDI_LOCAL rbd_status rbdi_est_change_load(rbd_estimate *e, int known) {
+RBDI_LOCAL void rbdi_est_forget_load(rbd_estimate *e) {
     rbd_real T[RBDI_EST_LOAD_TRIANGLE];
+    rbdi_est_find_load(e);
+    rbdi_est_load_triangle(e, T);
+    for (int i = 0; i < e->nv; ++i) rbdi_est_forget_load_of(e, i, T);
+}
+
+RBDI_LOCAL rbd_status rbdi_est_change_load(rbd_estimate *e, int known) {
     if (!e) return RBD_ERR_NULL;
     if (e->body < 0) return RBD_ERR_INDEX;
 
-    if (!e->known) rbdi_est_find_load(e);
-    rbdi_est_load_triangle(e, T);
-    for (int i = 0; i < e->nv && !e->known; ++i) rbdi_est_forget_load_of(e, i, T);
+    if (!e->known) rbdi_est_forget_load(e);
     rbdi_est_begin_load(e);
     e->known = known;
     return RBD_OK;

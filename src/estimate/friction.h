@@ -54,8 +54,23 @@ RBDI_PART void rbdi_est_solve_friction(const rbd_estimate *e, int i, rbd_joint_f
     f->offset = (z[0] - T[1] * f->coulomb - T[2] * f->viscous) / T[0];
 }
 
-/* Standard deviations: T f = z - F p, with p's triangle `load`. Of unknown k with u = T'^-1 e_k the variance
-   is u'u + |load'^-1 F'u|^2. */
+/* The variance of u'F p, |load'^-1 F'u|^2, of a payload p with the triangle `load`. F: of a dof's triangle T. */
+RBDI_PART rbd_real rbdi_est_load_variance(const rbd_real T[RBDI_EST_JOINT_TRIANGLE],
+                                          const rbd_real load[RBDI_EST_LOAD_TRIANGLE],
+                                          const rbd_real u[RBDI_EST_FRICTIONS]) {
+    rbd_real x[RBDI_EST_TEN];
+    for (int j = 0; j < RBDI_EST_TEN; ++j) {
+        x[j] = rbdi_zero();
+        for (int r = 0; r < RBDI_EST_FRICTIONS; ++r)
+            x[j] = x[j] + T[r * RBDI_EST_WHOLE_ROW + RBDI_EST_FRICTIONS + j] * u[r];
+    }
+
+    rbdi_est_solve_lower(load, RBDI_EST_TEN, RBDI_EST_TEN_ROW, x);
+    return rbdi_est_sum_of_squares(x, RBDI_EST_TEN);
+}
+
+/* Standard deviations: T f = z - F p, with p's triangle `load`, which nothing reads of a known payload. Of
+   unknown k with u = T'^-1 e_k the variance is u'u and that of u'F p. */
 RBDI_PART void rbdi_est_friction_deviations(const rbd_estimate *e, int i,
                                             const rbd_real load[RBDI_EST_LOAD_TRIANGLE],
                                             rbd_real deviation[RBDI_EST_FRICTIONS]) {
@@ -63,18 +78,13 @@ RBDI_PART void rbdi_est_friction_deviations(const rbd_estimate *e, int i,
     rbdi_est_joint_triangle(e, i, T);
 
     for (int k = 0; k < RBDI_EST_FRICTIONS; ++k) {
-        rbd_real u[RBDI_EST_FRICTIONS], x[RBDI_EST_TEN];
+        rbd_real u[RBDI_EST_FRICTIONS], variance;
         for (int j = 0; j < RBDI_EST_FRICTIONS; ++j) u[j] = rbdi_set(j == k ? RBD_C(1) : RBD_C(0));
         rbdi_est_solve_lower(T, RBDI_EST_FRICTIONS, RBDI_EST_WHOLE_ROW, u);
 
-        for (int j = 0; j < RBDI_EST_TEN; ++j) {
-            x[j] = rbdi_zero();
-            for (int r = 0; r < RBDI_EST_FRICTIONS; ++r)
-                x[j] = x[j] + T[r * RBDI_EST_WHOLE_ROW + RBDI_EST_FRICTIONS + j] * u[r];
-        }
-        rbdi_est_solve_lower(load, RBDI_EST_TEN, RBDI_EST_TEN_ROW, x);
-        deviation[k] = rbdi_sqrt(rbdi_est_sum_of_squares(u, RBDI_EST_FRICTIONS) +
-                                 rbdi_est_sum_of_squares(x, RBDI_EST_TEN));
+        variance = rbdi_est_sum_of_squares(u, RBDI_EST_FRICTIONS);
+        if (!e->known) variance = variance + rbdi_est_load_variance(T, load, u);
+        deviation[k] = rbdi_sqrt(variance);
     }
 }
 

@@ -3,7 +3,6 @@
 #include "api/dynamics.h"
 #include "base/pieces.h"
 #include "base/memory.h"
-#include "model/calls.h"
 #include "estimate/check.h"
 
 /* ---- observer [observer code] ---- */

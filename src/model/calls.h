@@ -4,13 +4,16 @@
 #include "model/work.h"
 #include "model/features.h"
 
-/* Interface: rbdi_check, rbdi_check_dynamics, rbdi_stride */
+/* Interface: rbdi_check, rbdi_check_dynamics, rbdi_has_shape, rbdi_stride */
 
-/* Whether the work's arrays have the lengths that the model needs. The model's address is not compared:
-   another model may have been built there, and one table may stand at two. */
-RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
-    return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
+/* Whether memory that was made for a model of this shape has the arrays' lengths that the model needs.
+   The model's address is not compared: another model may have been built there, and one table may stand
+   at two. */
+RBDI_INLINE int rbdi_has_shape(const rbd_model *m, const uint64_t shape[RBDI_SHAPE]) {
+    return m->shape[0] == shape[0] && m->shape[1] == shape[1] && m->shape[2] == shape[2];
 }
+
+RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) { return rbdi_has_shape(m, w->shape); }
 
 /* The first check of every call with a model and a work. arrays: none of the caller's required ones is
    NULL. The program must support the model, and the work must fit it. */

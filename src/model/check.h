@@ -2,8 +2,7 @@
 #define RBDI_MODEL_CHECK_H
 #include "model/work.h"
 #include "base/memory.h"
-#include "model/joint_types.h"
-#include "model/wide.h"
+#include "model/describe.h"
 
 /* ---- model build [model build] ----
    From the description to the model, in the caller's memory. Steps:
@@ -232,17 +231,16 @@ RBDI_LOCAL rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report
 
 RBDI_LOCAL rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report) {
     const int type = (int)b->type;
-    const char *axes;
+    int axes;
     if (b->parent < -1 || b->parent >= i) return rbdi_refuse(report, RBD_ERR_PARENT, i, b->name, "parent");
     if (type < 0 || type >= RBD_JOINT_TYPES) return rbdi_refuse(report, RBD_ERR_TYPE, i, b->name, "type");
     if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3))
         return rbdi_refuse_saying(report, RBD_ERR_TYPE, i, b->name, "type",
                                   "missing? it is 0, fixed, but the joint has an axis");
 
-    axes = rbdi_joint_facts(type)->axes;
-    if (axes[0] == 'a' && !rbdi_is_axis(b->axis))
-        return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis");
-    if (axes[0] == 'a' && axes[1] == 'b' && (!rbdi_is_axis(b->axis2) || rbdi_parallel(b->axis, b->axis2)))
+    axes = rbdi_described_axes(type);
+    if (axes > 0 && !rbdi_is_axis(b->axis)) return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis");
+    if (axes > 1 && (!rbdi_is_axis(b->axis2) || rbdi_parallel(b->axis, b->axis2)))
         return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis2");
 
     if (!rbdi_finite(&b->pitch, 1)) return rbdi_refuse(report, RBD_ERR_PITCH, i, b->name, "pitch");

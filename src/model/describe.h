@@ -2,7 +2,14 @@
 #define RBDI_MODEL_DESCRIBE_H
 #include "api/lookup.h"
 #include "model/features.h"
+#include "model/joint_types.h"
 #include "model/wide.h"
+
+/* How many axes the description of a joint has: none, axis, or axis and axis2. */
+RBDI_PART int rbdi_described_axes(int type) {
+    const char *axes = rbdi_joint_facts(type)->axes;
+    return (rbdi_axis_name(axes[0]) == 'a') + (rbdi_axis_name(axes[1]) == 'b');
+}
 
 /* A pose of the model in the build's arithmetic. */
 RBDI_PART rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
@@ -29,6 +36,7 @@ RBDI_PART rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l)
    dof. */
 RBDI_LOCAL int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
+    const int axes = rbdi_described_axes(u->type);
     rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), parent;
     rbdi_wide R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
     int i = u->link, dof = 0;
@@ -55,8 +63,8 @@ RBDI_LOCAL int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) 
 
     for (int k = 0; k < 3; ++k) {
         row->position[k] = (double)X.r[k];
-        row->axis[k] = u->type <= RBD_UNIVERSAL ? (double)axis[k] : 0;
-        row->axis2[k] = u->type == RBD_UNIVERSAL ? (double)axis2[k] : 0;
+        row->axis[k] = axes > 0 ? (double)axis[k] : 0;
+        row->axis2[k] = axes > 1 ? (double)axis2[k] : 0;
     }
 
     row->pitch = u->type == RBD_HELICAL ? (double)m->link[u->link].kappa : 0;

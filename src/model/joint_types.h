@@ -10,24 +10,26 @@
    or, if it has none, a block: a joint with several axes through one point. To add a type:
 
      always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
-     a chain     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
-                 chain needs no more. Coordinates other than angles and lengths are a new kind of link
+     a chain     of links that turn or slide needs that row alone and, for lengths, motion/manifold.h:
+                 rbdi_random_joint. For links of another kind, as screws: model/links.h: rbdi_build_joint
      a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
                  rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
                  slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
      v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and
      the rate    rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint,
      of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
-     its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
+     its fields  model/describe.h: rbdi_describe_joint, if a description has fields for it other than axis and
+                 axis2
 
-   Floating joints are known in four more places, as bases of robots: model/features.h,
-   constraints/weights.h, contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks
-   whether a joint is fixed. No other room names a type: the test `rooms` compares. */
+   Floating joints are known in more places, as bases of robots: model/features.h, constraints/weights.h,
+   contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks whether a joint is fixed. No
+   other room names a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
-   those of the joint frame. A type without axes is a block. */
+   those of the joint frame. A link turns about a small letter, and slides along a capital one. A type without
+   axes is a block. */
 typedef struct rbdi_joint_fact {
-    int nq, nv;
+    signed char nq, nv;
     char axes[4];
 } rbdi_joint_fact;
 
@@ -37,9 +39,9 @@ RBDI_PART const rbdi_joint_fact *rbdi_joint_facts(int type) {
         {1, 1, "a"},   /* revolute */
         {1, 1, "a"},   /* continuous */
         {2, 1, "a"},   /* continuous_cs */
-        {1, 1, "a"},   /* prismatic */
+        {1, 1, "A"},   /* prismatic */
         {1, 1, "a"},   /* helical */
-        {2, 2, "aa"},  /* cylindrical */
+        {2, 2, "aA"},  /* cylindrical */
         {2, 2, "ab"},  /* universal */
         {4, 3, ""},    /* spherical */
         {3, 3, "zyx"}, /* Euler zyx */
@@ -53,6 +55,10 @@ RBDI_PART const rbdi_joint_fact *rbdi_joint_facts(int type) {
 
     return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
 }
+
+/* Whether a letter of rbdi_joint_fact.axes is that of a link that slides; and as a small letter. */
+RBDI_INLINE int rbdi_axis_slides(char letter) { return !(letter & ('a' ^ 'A')); }
+RBDI_INLINE char rbdi_axis_name(char letter) { return (char)(letter | ('a' ^ 'A')); }
 
 /* The first spatial unit axis, omega_x .. omega_z, v_x .. v_z, of a block's dofs. The others follow it. */
 RBDI_INLINE int rbdi_first_axis(int type) {
@@ -69,12 +75,10 @@ RBDI_INLINE int rbdi_type_turns(int type) {
 /* Whether the last four coordinates are a quaternion. */
 RBDI_INLINE int rbdi_has_quaternion(int type) { return type == RBD_SPHERICAL || type == RBD_FLOATING; }
 
-/* Number of links of a joint. */
+/* Number of links of a joint: of a chain one for each dof, of a block one. */
 RBDI_PART int rbdi_links_of(int type) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(type);
-    int n = 0;
-    while (fact->axes[n]) ++n;
-    return n == 0 && fact->nv > 0 ? 1 : n;
+    return fact->axes[0] ? fact->nv : fact->nv > 0;
 }
 
 RBDI_PART int rbdi_can_mimic(int type) {

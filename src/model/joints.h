@@ -89,7 +89,8 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
    angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in
    double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
-    int all_done = 1, from = first;
+    int plain = 1;    /* whether no link slides or has (cos, sin) as coordinates */
+    int from = first; /* of the sines: blocks at the beginning have none */
 
     /* angles of turning links, slides, poses of blocks */
     for (int i = first; i < end; ++i) {
@@ -99,11 +100,11 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
         if (rbdi_is(l, RBDI_REVOLUTE)) {
             w->angle[i] = q[l->iq] + l->gamma;
         } else if (rbdi_is(l, RBDI_BLOCK)) {
-            from += i == from; /* a base has no sine */
+            from += i == from;
             w->angle[i] = rbdi_zero();
             w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
         } else {
-            all_done = 0;
+            plain = 0;
             w->angle[i] = rbdi_zero();
             if (l->rho > 0 && rbdi_is(l, RBDI_SCREW)) w->angle[i] = q[l->iq] + l->gamma;
             if (rbdi_is(l, RBDI_SCREW)) w->d[i] = q[l->iq] * l->kappa + l->d;
@@ -111,13 +112,14 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
     }
 
 #ifdef RBDI_POLYNOMIAL_SINCOS
-    rbdi_sincos_array(w->angle, w->quarters, from, end, w->s, w->c);
+    rbdi_sincos_array(w->angle, w->quarters, from, end, w->sine, w->cosine);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
-    for (int i = from; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i)
+        RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->sine[i], &w->cosine[i]);
 #else
-    for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->sine[i], &w->cosine[i]);
 #endif
-    if (all_done) return;
+    if (plain) return;
 
     /* joints whose q is (cos, sin), and links that only slide */
     for (int i = from; i < end; ++i) {
@@ -126,11 +128,11 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
             rbdi_unit_cs(&q[l->iq], &c, &s);
-            w->c[i] = c * l->cg - s * l->sg;
-            w->s[i] = c * l->sg + s * l->cg;
+            w->cosine[i] = c * l->cg - s * l->sg;
+            w->sine[i] = c * l->sg + s * l->cg;
         } else if (rbdi_is(l, RBDI_SCREW) && !(l->rho > 0)) {
-            w->c[i] = rbdi_set(l->cg);
-            w->s[i] = rbdi_set(l->sg);
+            w->cosine[i] = rbdi_set(l->cg);
+            w->sine[i] = rbdi_set(l->sg);
         }
     }
 }
@@ -143,8 +145,8 @@ RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
 /* The state of a one-axis joint after rbdi_joints or rbdi_range_joints. */
 RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
-    t.c = w->c[i];
-    t.s = w->s[i];
+    t.c = w->cosine[i];
+    t.s = w->sine[i];
     t.d = flags & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
     return t;
 }

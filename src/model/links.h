@@ -2,11 +2,11 @@
 #define RBDI_MODEL_LINKS_H
 #include "model/check.h"
 
-/* A joint's axis of this letter of rbdi_joint_fact.axes, of unit length, joint frame. */
-RBDI_LOCAL void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
-    for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
-    if (which == 'a') rbdi_widen(b->axis, 3, axis);
-    if (which == 'b') rbdi_widen(b->axis2, 3, axis);
+/* The axis of a letter of rbdi_joint_fact.axes, of unit length, joint frame. */
+RBDI_LOCAL void rbdi_link_axis(const rbd_body *b, char letter, rbdi_wide axis[3]) {
+    const char name = rbdi_axis_name(letter);
+    const double *described = name == 'a' ? b->axis : b->axis2;
+    for (int k = 0; k < 3; ++k) axis[k] = name < 'x' ? (rbdi_wide)described[k] : name == 'x' + k;
     rbdi_unit(axis, axis);
 }
 
@@ -65,7 +65,7 @@ RBDI_LOCAL void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
                 l->kind = RBDI_SCREW;
                 l->kappa = (rbdi_wide)b->pitch;
             }
-            if (type == RBD_PRISMATIC || (type == RBD_CYLINDRICAL && k == 1)) {
+            if (rbdi_axis_slides(axes[k])) {
                 l->kind = RBDI_SCREW;
                 l->rho = 0;
                 l->kappa = 1;

@@ -1,7 +1,6 @@
 #ifndef RBDI_MODEL_PAYLOAD_H
 #define RBDI_MODEL_PAYLOAD_H
 #include "api/model.h"
-#include "model/describe.h"
 #include "model/emit.h"
 
 /* -- a payload -- */

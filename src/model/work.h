@@ -15,8 +15,8 @@ typedef struct rbdi_scratch { /* per link, during one call */
 typedef struct rbdi_branch { /* per branch point: a link with a child that is not the next link; [design] */
     rbdi_state state;        /* for those children, in rnea and kinematics; aba's pass 1: omega */
     rbdi_motion y;           /* for them, in aba's pass 3 */
-    rbdi_abi I;              /* sum of theirs, in aba's pass 2; pass 1 clears it */
-    rbdi_rbi C;              /* sum of theirs, in crba */
+    rbdi_abi I; /* sum of their IA, in aba's pass 2; pass 1 clears it; rbdi_check_bodies: of their K */
+    rbdi_rbi C; /* sum of their composite bodies, in crba */
 } rbdi_branch;
 
 typedef struct rbdi_block_work { /* per block */
@@ -36,8 +36,8 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
 #define RBDI_WORK_ARRAYS(ARRAY, nl, nblock, nbranch, ndof, nqx, nv, nh) \
     ARRAY(rbd_real, angle, RBDI_PADDED(nl))         /* joint angles less these right angles */ \
     ARRAY(rbd_real, quarters, RBDI_PADDED(nl))      /* right angles */ \
-    ARRAY(rbd_real, c, RBDI_PADDED(nl))             /* cosines of the whole angles */ \
-    ARRAY(rbd_real, s, RBDI_PADDED(nl))             /* sines */ \
+    ARRAY(rbd_real, cosine, RBDI_PADDED(nl))        /* of the whole angles */ \
+    ARRAY(rbd_real, sine, RBDI_PADDED(nl))          /* of the whole angles */ \
     ARRAY(ptrdiff_t, start, RBDI_PADDED_STARTS(nv)) /* [packed matrix]: where rows of a matrix begin */ \
     ARRAY(rbdi_branch, branch, nbranch) \
     ARRAY(rbdi_block_work, block, nblock) \
@@ -46,7 +46,7 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
     ARRAY(rbdi_kin, kin, nl) \
     ARRAY(rbd_real, rotors, 1)   /* kinetic energy of the armatures */ \
     ARRAY(rbd_real, zero, ndof)  /* zeros */ \
-    ARRAY(rbd_real, pivot, ndof) /* pivots of the last factorisation */ \
+    ARRAY(rbd_real, pivot, ndof) /* pivots of the last factorisation or, where one is in doubt, verdicts */ \
     ARRAY(rbd_real, bias, nv) \
     ARRAY(rbd_real, F, 6 * RBDI_STRIDE(ndof)) /* scratch of a call, behind RBDI_CHUNK zeros */ \
     ARRAY(rbd_real, H, nh) \

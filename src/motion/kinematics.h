@@ -22,8 +22,8 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
     return l->parent < 0 ? rbdi_vec0() : rbdi_add(parent->v, rbdi_cross(parent->state.omega, r));
 }
 
-/* World pose of link i, from its parent's, p; if moving, the velocity of its origin too. Its angular velocity
-   is known. */
+/* World pose of a one-axis link from its parent's, p. If moving, the velocity of its origin too, from its
+   angular velocity, which rbdi_kin_states has set. */
 RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags,
                                     rbdi_trig t, const rbd_real *v, int moving, rbdi_pose p) {
     p = rbdi_pose_step(l, flags & ~RBDI_ROOT, t, p);
@@ -39,7 +39,7 @@ RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_
     return p;
 }
 
-/* The same of the links first .. end - 1. */
+/* The same of the links first .. end - 1, blocks too. */
 RBDI_LOCAL void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                                int moving) {
     rbdi_pose p = rbdi_world_pose();
@@ -83,9 +83,11 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
+
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     if (w->moving) rbdi_kin_states(m, w, 0, m->nl, v, a);
     rbdi_kin_links(m, w, 0, m->nl, v, w->moving);
+
     *w->rotors = rbdi_zero();
     for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
         *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
@@ -107,11 +109,14 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     q = rbdi_expand_q(m, w, q);
     l = m->link;
-    leaf = last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path */
+    leaf =
+        last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path, and of no others */
 
+    /* each run of links on the path, first .. end - 1. The links between do not move the body */
     for (int first = 0, end; first <= last; first = end) {
         for (; l->end <= leaf; ++l) ++first;
         for (end = first; end <= last && l->end > leaf; ++l) ++end;
+
         rbdi_range_joints(m, w, first, end, q);
         if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
         rbdi_kin_links(m, w, first, end, v, w->moving);

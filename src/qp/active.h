@@ -11,6 +11,7 @@
 RBDI_PART rbd_real rbdi_qp_enter(rbdi_qp *s, int row, int side) {
     const rbd_real weight = rbdi_qp_weight(s, row), sign = rbdi_qp_sign(side);
 
+    rbdi_qp_basis(s);
     if (row < s->given.bounds) {
         for (int j = 0; j < s->columns; ++j) s->d[j] = sign * rbdi_qp_j(s, j)[row];
     } else {
@@ -40,17 +41,10 @@ RBDI_INLINE int rbdi_qp_depends(const rbdi_qp *s, int row, rbd_real square) {
     return !(rbdi_qp_weight(s, row) > 0) && square <= least * least;
 }
 
-/* y += J d of the columns from j on, two at a time */
-RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int j, const rbd_real *d, rbd_real *y) {
-    for (; j + 2 <= s->columns; j += 2)
-        rbdi_qp_adds(d[j], rbdi_qp_j(s, j), d[j + 1], rbdi_qp_j(s, j + 1), y, s->n);
-    if (j < s->columns) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
-}
-
 /* z = J2 d2 */
 RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     rbdi_qp_clear(s->z, s->n);
-    rbdi_qp_add_columns(s, s->q, s->d, s->z);
+    rbdi_qp_add_columns(s, s->q, s->columns, s->d, s->z);
 }
 
 /* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first
@@ -64,7 +58,7 @@ RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real 
 
     if (q < s->columns - 1) {
         const rbd_real length = rbdi_sqrt(square);
-        const rbd_real scale = 1 / (length * (length + rbdi_abs(a)));
+        const rbd_real scale = 1 / (length * (length + rbdi_qp_abs(a)));
         const rbd_real onto = a > 0 ? -length : length;
 
         for (int k = 0; k < n; ++k) s->z[k] = scale * (s->z[k] - onto * J_q[k]);
@@ -97,15 +91,13 @@ RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
     if (q >= last || !(square > 0)) return;
 
     const rbd_real length = rbdi_sqrt(square);
-    const rbd_real scale = 1 / (length * (length + rbdi_abs(slack[last])));
-    rbd_real along = 0;
+    const rbd_real scale = 1 / (length * (length + rbdi_qp_abs(slack[last])));
 
     slack[last] = slack[last] + (slack[last] > 0 ? length : -length);
+    const rbd_real along = rbdi_qp_dot(slack + q, s->d + q, last + 1 - q);
+
     rbdi_qp_clear(s->z, n);
-    for (int j = q; j <= last; ++j) {
-        rbdi_qp_add(slack[j], rbdi_qp_j(s, j), s->z, n);
-        along = along + slack[j] * s->d[j];
-    }
+    rbdi_qp_add_columns(s, q, last + 1, slack, s->z);
     for (int j = q; j < last; ++j) {
         rbdi_qp_add(-scale * slack[j], s->z, rbdi_qp_j(s, j), n);
         s->d[j] = s->d[j] - scale * along * slack[j];
@@ -165,17 +157,23 @@ RBDI_PART void rbdi_qp_solve_r_transposed(const rbdi_qp *s, rbd_real *y) {
     }
 }
 
-/* x and u of the active rows: R' y = b - N'x0, x = x0 + J1 y, u = R^-1 y. */
-RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
+/* r = y and u of the active rows: R' y = b - N'x0, u = R^-1 y. */
+RBDI_PART void rbdi_qp_push(rbdi_qp *s) {
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         const rbd_real missed = rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, s->x0);
-        s->u[j] = rbdi_qp_sign(s->side[row]) * missed;
+        s->r[j] = rbdi_qp_sign(s->side[row]) * missed;
     }
-    rbdi_qp_solve_r_transposed(s, s->u);
-    rbdi_qp_copy(s->x0, x, s->n);
-    for (int j = 0; j < s->q; ++j) rbdi_qp_add(s->u[j], rbdi_qp_j(s, j), x, s->n);
+    rbdi_qp_solve_r_transposed(s, s->r);
+    rbdi_qp_copy(s->r, s->u, s->q);
     rbdi_qp_solve_r(s, s->u);
+}
+
+/* x and u of the active rows: x = x0 + J1 y. */
+RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
+    rbdi_qp_push(s);
+    rbdi_qp_copy(s->x0, x, s->n);
+    if (s->q) rbdi_qp_add_columns(s, 0, s->q, s->r, x);
 }
 
 /* The scale of a row's miss: its side, and its terms with the largest x so far. */
@@ -183,10 +181,10 @@ RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
     rbd_real terms;
     const rbd_real *c;
 
-    if (row < s->given.bounds) return rbdi_abs(side) + s->reach[row];
+    if (row < s->given.bounds) return rbdi_qp_abs(side) + s->reach[row];
     c = rbdi_qp_c(s, row);
     rbdi_qp_dot_and_terms(c, s->reach + s->from[row], s->to[row] - s->from[row], &terms);
-    return rbdi_abs(side) + terms;
+    return rbdi_qp_abs(side) + terms;
 }
 
 /* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft
@@ -201,13 +199,26 @@ RBDI_PART rbd_real rbdi_qp_slight(const rbdi_qp *s, int j, rbd_real share, rbd_r
     return of_terms < slight ? of_terms : slight;
 }
 
+/* Active row l leaves before there is J: the reflections of the rows behind it are made anew. */
+RBDI_PART void rbdi_qp_forget(rbdi_qp *s, int l) {
+    const int end = s->q;
+
+    s->side[s->active[l]] = 0;
+    s->q = l;
+    s->reflections = s->equalities + l;
+    for (int j = l + 1; j < end; j += RBDI_QP_GROUP)
+        rbdi_qp_eliminate(s, s->active + j, end - j < RBDI_QP_GROUP ? end - j : RBDI_QP_GROUP);
+    rbdi_qp_take_guess(s);
+    s->result.steps++;
+}
+
 /* The active inequality that pulls most, u < 0 by more than what share may be rounding, leaves. Returns
    whether one does. */
 RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
     rbd_real least = 0, largest = 0;
     int worst = -1;
 
-    for (int j = 0; j < s->q; ++j) largest = rbdi_qp_larger(largest, rbdi_abs(s->u[j] * s->length[j]));
+    for (int j = 0; j < s->q; ++j) largest = rbdi_qp_larger(largest, rbdi_qp_abs(s->u[j] * s->length[j]));
     for (int j = 0; j < s->q; ++j) {
         const rbd_real u = s->u[j] * s->length[j];
         if (!(u < least) || rbdi_qp_is_equality(s, s->active[j])) continue;
@@ -216,7 +227,10 @@ RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
         worst = j;
     }
     if (worst < 0) return 0;
-    rbdi_qp_leave(s, worst);
+    if (s->J)
+        rbdi_qp_leave(s, worst);
+    else
+        rbdi_qp_forget(s, worst);
     return 1;
 }
 

@@ -4,7 +4,7 @@
 #include "base/pieces.h"
 #include "api/qp.h"
 
-/* Interface: rbdi_qp */
+/* Interface: rbdi_qp, rbdi_qp_shape */
 
 /* ---- method [method] ----
    Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the
@@ -60,6 +60,14 @@
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 
+/* What a caller of rbdi_qp_solve knows of its problem, which spares a search. */
+typedef struct rbdi_qp_shape {
+    int symmetric;   /* whether H is symmetric because of how it was made */
+    int coupled;     /* H is diagonal from this variable on: only its diagonal is read there */
+    int heads;       /* rows of C before this one are 0 from variable `coupled` on */
+    int tails, rest; /* rows of C from `tails` to before `rest` are 0 before it */
+} rbdi_qp_shape;
+
 /* The state of one solution. A row is counted with the bounds. Matrices have no padding. */
 typedef struct rbdi_qp {
     rbd_qp_problem given;
@@ -67,23 +75,26 @@ typedef struct rbdi_qp {
     rbd_qp_result result;
     rbd_real *lambda;  /* of each row */
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
-    int symmetric;     /* whether H is symmetric because of how the caller made it */
+    rbdi_qp_shape shape;
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
+    int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
-    int reflections;   /* equalities, and until there is J the rows of the guess */
+    int reflections;   /* equalities, and until there is J the active rows */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
     rbd_real furthest; /* largest |x_k| so far */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
-    int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
-    int loosen;        /* the number of steps at which accuracy grows next */
+    rbd_real balance; /* the largest component of Hx + f + C'lambda, as a share of the largest of all terms */
+    int doubtful;     /* rows contradict each other by what may be rounding, or sums overflow */
+    int loosen;       /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */
     rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
-    rbd_real *J; /* columns x n: each column of J is a row here */
+    rbd_real
+        *J; /* columns x n: each column of J is a row here; NULL until a row joins or a soft one is there */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
     rbd_real *d, *r;   /* n + soft: see [method] */
@@ -102,8 +113,7 @@ typedef struct rbdi_qp {
     rbd_real *diagonal; /* reflections: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
     rbd_real *unit;     /* of each row: 1 over its length */
-    rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
-    rbd_real *value;    /* of each row: the row times x, as rbdi_qp_verify leaves it; where the scores were */
+    rbd_real *value;    /* of each row: the row times x; of a row that x cannot miss 0 */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
@@ -132,14 +142,15 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->L = rbdi_qp_scalars(&at, n * (n + 1) / 2);
     s->R = rbdi_qp_scalars(&at, most * (most + 1) / 2);
 
+    /* these four together have room for a group of vectors */
     s->d = rbdi_qp_scalars(&at, most);
     s->r = rbdi_qp_scalars(&at, most);
+    s->leaving = rbdi_qp_scalars(&at, most);
+    s->z = rbdi_qp_scalars(&at, n);
+
     s->u = rbdi_qp_scalars(&at, most);
     s->length = rbdi_qp_scalars(&at, most);
-    s->leaving = rbdi_qp_scalars(&at, most);
-
     s->x0 = rbdi_qp_scalars(&at, n);
-    s->z = rbdi_qp_scalars(&at, n);
     s->reach = rbdi_qp_scalars(&at, n);
     s->centre = rbdi_qp_scalars(&at, n);
     s->g = rbdi_qp_scalars(&at, n);
@@ -149,8 +160,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->diagonal = rbdi_qp_scalars(&at, n);
     s->u_equal = rbdi_qp_scalars(&at, n);
     s->unit = rbdi_qp_scalars(&at, s->all);
-    s->score = rbdi_qp_scalars(&at, s->all);
-    s->value = s->score;
+    s->value = rbdi_qp_scalars(&at, s->all);
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);
@@ -162,6 +172,16 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->end = rbdi_qp_ints(&at, n);
 }
 
+/* |x|, and 0 of -0. Compilers have one instruction for it. */
+RBDI_INLINE rbd_real rbdi_qp_abs(rbd_real x) {
+#if RBDI_GNU && RBDI_REAL_KIND == 2
+    return __builtin_fabsf(x);
+#elif RBDI_GNU
+    return __builtin_fabs(x);
+#else
+    return x > 0 ? x : 0 - x;
+#endif
+}
 RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
 
 /* The weight of a row, 0 if it is hard. */
@@ -182,8 +202,8 @@ RBDI_ONCE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
 RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
     return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
 }
-/* The diagonal of L, inverted. */
-RBDI_INLINE rbd_real rbdi_qp_pivot(const rbdi_qp *s, int i) { return s->L[i * (i + 3) / 2]; }
+/* Where the diagonal of L stands, inverted: the next one is i + 2 behind it. */
+RBDI_INLINE int rbdi_qp_pivot(int i) { return i * (i + 3) / 2; }
 RBDI_ONCE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
 RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
 

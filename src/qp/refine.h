@@ -15,34 +15,61 @@
 #define RBDI_QP_REFINED (16 * RBDI_EPS) /* shares below this are rounding */
 #define RBDI_QP_REFINEMENTS 2
 
-/* t = r1 without the equalities' part, r = r2. Returns the largest |r2|, as a share of its row's length;
-   *size: the largest term of r1. */
-RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size) {
-    const int n = s->n;
+/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
+RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
+    rbd_real largest = 0, terms;
+
+    for (int k = 0; k < s->n; ++k) {
+        const rbd_real f = s->given.f[k];
+        y[k] = rbdi_qp_h_times(s, k, x, &terms) + f;
+        largest = rbdi_qp_larger(largest, rbdi_qp_abs(f) + terms);
+    }
+    return largest;
+}
+
+/* t = r1 without the equalities' part, r = r2, and the values of these rows at x. Returns the largest |r2|, as
+   a share of its row's length; raises *size to the largest term of the cost in r1, *push to that of all rows. */
+RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size, rbd_real *push) {
     rbd_real missed = 0;
 
-    *size = 0;
-    for (int i = 0; i < n; ++i) {
-        const rbd_real h = rbdi_qp_h_times(s, i, x);
-        s->t[i] = -(h + s->rho * x[i] + s->g[i]);
-        *size = rbdi_qp_larger(*size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->g[i])));
-    }
+    *size = rbdi_qp_larger(*size, rbdi_qp_gradient(s, x, s->t));
+    for (int i = 0; i < s->n; ++i) s->t[i] = s->rho * (s->centre[i] - x[i]) - s->t[i];
+
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         const rbd_real sign = rbdi_qp_sign(s->side[row]), weight = rbdi_qp_weight(s, row);
 
-        s->r[j] = sign * (rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, x));
+        s->value[row] = rbdi_qp_row_times(s, row, x);
+        s->r[j] = sign * (rbdi_qp_side(s, row) - s->value[row]);
         if (weight > 0) s->r[j] = s->r[j] - s->u[j] / weight;
-        missed = rbdi_qp_larger(missed, rbdi_abs(s->r[j]) * s->unit[row]);
-        *size = rbdi_qp_larger(*size, rbdi_abs(s->u[j]) / s->unit[row]);
+        missed = rbdi_qp_larger(missed, rbdi_qp_abs(s->r[j]) * s->unit[row]);
+        const rbd_real term = rbdi_qp_abs(s->u[j]) / s->unit[row];
+        if (weight > 0) *size = rbdi_qp_larger(*size, term);
+        *push = rbdi_qp_larger(*push, term);
         rbdi_qp_add_row(s, row, sign * s->u[j], s->t);
     }
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
-        const rbd_real by = rbdi_qp_row_times(s, row, x) - s->given.upper[row];
-        missed = rbdi_qp_larger(missed, rbdi_abs(by) * s->unit[row]);
+        s->value[row] = rbdi_qp_row_times(s, row, x);
+        missed = rbdi_qp_larger(missed, rbdi_qp_abs(s->value[row] - s->given.upper[row]) * s->unit[row]);
     }
     return missed;
+}
+
+/* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of `size`, the largest
+   term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row, whose largest is `push`: where rows
+   nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of the
+   gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
+RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size, rbd_real push) {
+    const rbd_real larger = rbdi_qp_larger(size, push);
+    rbd_real worst = rbdi_qp_largest(s->t, s->n), sum = 0;
+
+    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
+    worst = worst + (sum - sum);
+    s->balance = larger > 0 ? worst / larger : worst;
+
+    worst = worst + RBDI_EPS * (larger - size);
+    s->result.dual = size > 0 ? worst / size : worst;
 }
 
 /* One correction, from t = r1 and r = r2. */
@@ -50,14 +77,14 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     const int n = s->n;
 
     rbdi_qp_clear(s->z, n);
-    if (s->equalities) rbdi_qp_onto_equalities(s, x, s->z);
+    if (s->equalities) rbdi_qp_onto_equalities(s, 1, s->z);
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         s->r[j] = s->r[j] - rbdi_qp_sign(s->side[row]) * rbdi_qp_row_times(s, row, s->z);
     }
 
     /* d = (y1; y2), r = R^-1 (y1 - J1'r1) */
-    for (int j = 0; j < s->columns; ++j) s->d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), s->t, n);
+    rbdi_qp_project(s, s->t, s->d);
     rbdi_qp_solve_r_transposed(s, s->r);
     for (int j = 0; j < s->q; ++j) {
         const rbd_real y = s->r[j];
@@ -67,24 +94,25 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->r);
 
     for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
-    rbdi_qp_add_columns(s, 0, s->d, x);
+    rbdi_qp_add_columns(s, 0, s->columns, s->d, x);
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 
 /* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding of x,
-   which may be far less than it was on the way. */
-RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
+   which may be far less than it was on the way. Returns whether x has changed. */
+RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
     for (int corrections = 0;; ++corrections) {
-        rbd_real size, worst;
-        const rbd_real missed = rbdi_qp_residuals(s, x, &size);
         const rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_CANCELLED * s->furthest);
+        rbd_real size = s->rho * furthest, push = 0;
+        const rbd_real missed = rbdi_qp_residuals(s, x, &size, &push);
 
         rbdi_qp_balance(s, s->t, s->z);
-        worst = rbdi_qp_largest(s->t, s->n);
-        s->result.dual = size > 0 ? worst / size : worst;
+        for (int e = 0; e < s->equalities; ++e)
+            push = rbdi_qp_larger(push, rbdi_qp_abs(s->u_equal[e]) / s->unit[s->equality[e]]);
+        rbdi_qp_judge(s, size, push);
 
-        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return;
-        if (corrections == RBDI_QP_REFINEMENTS) return;
+        if (s->balance <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return corrections > 0;
+        if (corrections == RBDI_QP_REFINEMENTS) return 1;
         rbdi_qp_correct(s, x);
     }
 }

@@ -1,6 +1,6 @@
-/* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
-RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    int i = from;
+/* t := L^-1 t, where t is 0 before `from`, a multiple of four, and from `to` on. */
+RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to) {
+    int i = from, at;
 
     for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -8,7 +8,27 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
         if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
         t[i] = t[i] * l[i];
     }
-    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    at = rbdi_qp_pivot(i);
+    for (; i < to; ++i) {
+        t[i] = t[i] * s->L[at];
+        at = at + i + 2;
+    }
+}
+
+/* t := L'^-1 t, where t is 0 from `to` on. */
+RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, RBDI_T *t, int to) {
+    int i = to - 1, at = rbdi_qp_pivot(i);
+
+    for (; i >= s->coupled; --i) {
+        t[i] = s->L[at] * t[i];
+        at = at - i - 1;
+    }
+    for (; i >= 0; --i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i];
+        t[i] = l[i] * t[i];
+        if (k < i) rbdi_qp_add(-t[i], l + k, t + k, i - k);
+    }
 }
 
 /* t := (1 - beta v v') t, of reflection e. */

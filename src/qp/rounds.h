@@ -12,9 +12,8 @@
 /* x0: optimum on the equalities alone. */
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
-    rbdi_qp_solve_lower(s, s->x0, 0);
-    rbdi_qp_reflect_all(s, s->x0);
-    rbdi_qp_onto_equalities(s, NULL, s->x0);
+    rbdi_qp_forth(s, s->equalities, s->x0);
+    rbdi_qp_onto_equalities(s, 0, s->x0);
 }
 
 /* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on
@@ -48,14 +47,14 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
     s->lambda[miss.row] = (rbd_real)miss.side;
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
-        if (rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+        if (rbdi_qp_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
             s->lambda[row] = s->side[row] > 0 ? -s->r[j] : s->r[j];
     }
     rbdi_qp_clear(s->t, s->n);
     for (int row = 0; row < s->all; ++row) {
         if (s->lambda[row] == 0) continue;
         rbdi_qp_add_row(s, row, -s->lambda[row], s->t);
-        largest = rbdi_qp_larger(largest, rbdi_abs(s->lambda[row]) / s->unit[row]);
+        largest = rbdi_qp_larger(largest, rbdi_qp_abs(s->lambda[row]) / s->unit[row]);
     }
     rbdi_qp_balance(s, s->t, s->z);
     for (int e = 0; e < s->equalities; ++e) s->lambda[s->equality[e]] = -s->u_equal[e];
@@ -66,11 +65,11 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
         if (lambda == 0) continue;
         if (rbdi_qp_weight(s, row) > 0) return 0; /* it gives way */
         sum = sum + lambda * side;
-        terms = terms + rbdi_abs(lambda * side);
+        terms = terms + rbdi_qp_abs(lambda * side);
     }
     for (int k = 0; k < s->n; ++k) {
-        if (!(rbdi_abs(s->t[k]) <= 10 * s->options.accuracy * largest)) return 0;
-        left = left + rbdi_abs(s->t[k]) * s->furthest;
+        if (!(rbdi_qp_abs(s->t[k]) <= 10 * s->options.accuracy * largest)) return 0;
+        left = left + rbdi_qp_abs(s->t[k]) * s->furthest;
     }
     return sum < -(10 * s->options.accuracy * terms + left);
 }
@@ -80,23 +79,27 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     int refined = 0;
 
     rbdi_qp_reached(s, s->x0);
+    rbdi_qp_push(s);
+    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_push(s);
     rbdi_qp_point(s, x);
-    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
+    rbdi_qp_evaluate(s, x, 0);
 
     for (;;) {
         rbd_qp_status status;
-        *miss = rbdi_qp_most_missed(s, x, s->accuracy);
+        *miss = rbdi_qp_most_missed(s, s->accuracy);
         if (miss->row < 0 && refined) return RBD_QP_OK;
         if (s->result.steps >= s->options.steps) return RBD_QP_ITERATIONS;
 
         if (miss->row < 0) {
-            rbdi_qp_refine(s, x);
+            int moved = rbdi_qp_refine(s, x);
             refined = 1;
             if (rbdi_qp_release(s, s->accuracy)) {
                 rbdi_qp_point(s, x);
                 refined = 0;
+                moved = 1;
             }
+            if (moved) rbdi_qp_evaluate(s, x, 0);
             /* x is exact now: less of what has cancelled before still counts. */
             rbdi_qp_clear(s->reach, s->n);
             rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
@@ -109,6 +112,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         }
         status = rbdi_qp_take_in(s, x, *miss);
         rbdi_qp_reached(s, x);
+        rbdi_qp_evaluate(s, x, 0);
         refined = 0;
         if (status == RBD_QP_INFEASIBLE && !rbdi_qp_proven(s, *miss)) {
             if (s->accuracy > RBDI_QP_HOPELESS) return RBD_QP_INACCURATE;
@@ -124,16 +128,16 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
 /* z = x, or x - from; whether the value falls on this way, and H does not bend it, but for rounding. */
 RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *from) {
-    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
+    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding, terms;
 
     for (int k = 0; k < s->n; ++k) {
         s->z[k] = from ? x[k] - from[k] : x[k];
         down = down + s->given.f[k] * s->z[k];
-        length = rbdi_qp_larger(length, rbdi_abs(s->z[k]));
+        length = rbdi_qp_larger(length, rbdi_qp_abs(s->z[k]));
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
-        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_h_times(s, k, s->z)));
+        curvature = rbdi_qp_larger(curvature, rbdi_qp_abs(rbdi_qp_h_times(s, k, s->z, &terms)));
     rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
     return down < 0 && curvature <= rounding;
 }
@@ -153,22 +157,10 @@ RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
     for (int row = 0; row < s->all; ++row) {
         const rbd_real by = rbdi_qp_row_times(s, row, s->z);
         const rbd_real side = by < 0 ? s->given.lower[row] : s->given.upper[row];
-        if (rbdi_abs(side) < RBDI_QP_NONE && rbdi_abs(by) > s->options.accuracy / s->unit[row] * length)
+        if (rbdi_qp_abs(side) < RBDI_QP_NONE && rbdi_qp_abs(by) > s->options.accuracy / s->unit[row] * length)
             return 0;
     }
     return 1;
-}
-
-/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
-RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
-    rbd_real largest = 0, terms;
-
-    for (int k = 0; k < s->n; ++k) {
-        const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
-        largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
-    }
-    return largest;
 }
 
 /* Rounds until x stays where it is: rho |x - centre| within the accuracy of H x and f. On a straight way each
@@ -187,8 +179,8 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
 
         size = rbdi_qp_gradient(s, x, s->t);
         for (int k = 0; k < s->n; ++k) {
-            moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
-            furthest = rbdi_qp_larger(furthest, s->rho * rbdi_abs(x[k]));
+            moved = rbdi_qp_larger(moved, s->rho * rbdi_qp_abs(x[k] - s->centre[k]));
+            furthest = rbdi_qp_larger(furthest, s->rho * rbdi_qp_abs(x[k]));
         }
         if (moved <= RBDI_QP_ENOUGH * s->options.accuracy * size ||
             (!(size > 0) && moved <= RBDI_QP_STILL * furthest))

@@ -26,9 +26,8 @@ RBDI_INLINE rbd_real rbdi_qp_above(const rbdi_qp *s, int row, rbd_real value) {
 }
 
 /* Whether x misses a row by more than rounding explains, and by how much. */
-RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, const rbd_real *x, rbd_real accuracy,
-                             rbdi_qp_miss *miss) {
-    const rbd_real value = rbdi_qp_row_times(s, row, x);
+RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, rbd_real accuracy, rbdi_qp_miss *miss) {
+    const rbd_real value = s->value[row];
     const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
     const rbd_real by = rbdi_qp_larger(below, above);
     const rbd_real side = below > above ? s->given.lower[row] : s->given.upper[row];
@@ -40,37 +39,43 @@ RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, const rbd_real *x, rbd_r
     return 1;
 }
 
-/* score = by how much x misses each watched row, in lengths of the row. Returns the largest, or 0. */
-RBDI_PART rbd_real rbdi_qp_scores(rbdi_qp *s, const rbd_real *x) {
-    rbd_real most = 0;
-
+/* Values at x of the watched rows; without `all` of those that are not active, for those of the others come
+   with the residuals. */
+RBDI_PART void rbdi_qp_evaluate(rbdi_qp *s, const rbd_real *x, int all) {
     for (int i = 0; i < s->watches; ++i) {
         const int row = s->watched[i];
-        rbd_real value;
-
-        s->score[i] = 0;
-        if (s->side[row]) continue;
-        value = rbdi_qp_row_times(s, row, x);
-        s->score[i] = s->unit[row] * rbdi_qp_larger(s->given.lower[row] - value, value - s->given.upper[row]);
-        most = rbdi_qp_larger(s->score[i], most);
+        if (all || !s->side[row]) s->value[row] = rbdi_qp_row_times(s, row, x);
     }
-    return most;
+}
+
+/* By how much x misses a row, in lengths of it; 0 of an active one. */
+RBDI_INLINE rbd_real rbdi_qp_score(const rbdi_qp *s, int row) {
+    const rbd_real value = s->value[row];
+    if (s->side[row]) return 0;
+    return s->unit[row] * rbdi_qp_larger(s->given.lower[row] - value, value - s->given.upper[row]);
 }
 
 /* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there
    is none. */
-RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
+RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(const rbdi_qp *s, rbd_real accuracy) {
     rbdi_qp_miss worst = {-1, 0, 0};
-    rbd_real most = rbdi_qp_scores(s, x);
-    int first = 0;
-    if (!(most > 0)) return worst;
+    rbd_real most = 0;
+    int first = -1;
 
-    while (s->score[first] < most) ++first;
-    if (rbdi_qp_misses(s, s->watched[first], x, accuracy, &worst)) return worst;
+    for (int i = 0; i < s->watches; ++i) {
+        const rbd_real score = rbdi_qp_score(s, s->watched[i]);
+        if (!(score > most)) continue;
+        most = score;
+        first = s->watched[i];
+    }
+    if (first < 0 || rbdi_qp_misses(s, first, accuracy, &worst)) return worst;
 
     most = 0;
-    for (int i = 0; i < s->watches; ++i)
-        if (s->score[i] > most && rbdi_qp_misses(s, s->watched[i], x, accuracy, &worst)) most = s->score[i];
+    for (int i = 0; i < s->watches; ++i) {
+        const int row = s->watched[i];
+        const rbd_real score = rbdi_qp_score(s, row);
+        if (score > most && rbdi_qp_misses(s, row, accuracy, &worst)) most = score;
+    }
     return worst;
 }
 
@@ -94,7 +99,7 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
 RBDI_PART int rbdi_qp_gives_way(const rbdi_qp *s) {
     for (int j = 0; j < s->q; ++j)
         if (rbdi_qp_weight(s, s->active[j]) > 0 &&
-            rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            rbdi_qp_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
             return 1;
     return 0;
 }

@@ -19,7 +19,7 @@ RBDI_PART rbd_qp_status rbdi_qp_refuse(rbdi_qp *s, rbd_qp_status status, int at,
     return status;
 }
 
-RBDI_ONCE int rbdi_qp_finite(rbd_real x) { return rbdi_abs(x) < RBDI_QP_NONE; }
+RBDI_ONCE int rbdi_qp_finite(rbd_real x) { return rbdi_qp_abs(x) < RBDI_QP_NONE; }
 
 /* Whether numbers, pointers and options make sense; completes the options. */
 RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {
@@ -73,8 +73,8 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = own;
-        for (int j = 0; j < i && !s->symmetric; ++j) {
-            const rbd_real apart = rbdi_abs(H[i * n + j] - H[j * n + i]);
+        for (int j = 0; j < i && !s->shape.symmetric; ++j) {
+            const rbd_real apart = rbdi_qp_abs(H[i * n + j] - H[j * n + i]);
             if (!(apart <= own) && !(apart <= own + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
         }
     }
@@ -86,7 +86,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_pairs(rbdi_qp *s) {
     const rbd_real *H = s->given.H;
     const int n = s->n;
 
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < s->shape.coupled; ++i) {
         for (int j = 0; j < i; ++j) {
             const rbd_real minor = H[i * n + i] * H[j * n + j];
             if (!(H[i * n + j] * H[i * n + j] <= minor + RBDI_QP_ASYMMETRY * minor))
@@ -102,6 +102,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
     const int n = s->n;
 
     s->watches = 0;
+    s->zeros = 0;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real lower = p->lower[row], upper = p->upper[row];
         int from = row, to = row + 1;
@@ -110,9 +111,10 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         if (lower != lower || lower >= RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "lower");
         if (upper != upper || upper <= -RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "upper");
         if (row >= p->bounds) {
-            const rbd_real *c = p->C + (row - p->bounds) * n;
-            to = n;
-            from = 0;
+            const int of_c = row - p->bounds;
+            const rbd_real *c = p->C + of_c * n;
+            to = of_c < s->shape.heads ? s->shape.coupled : n;
+            from = of_c >= s->shape.tails && of_c < s->shape.rest ? s->shape.coupled : 0;
             while (to > from && c[to - 1] == 0) --to;
             while (from < to && c[from] == 0) ++from;
             square = rbdi_qp_dot(c + from, c + from, to - from);
@@ -120,6 +122,8 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         }
         s->from[row] = from;
         s->to[row] = to;
+        s->value[row] = 0;
+        s->zeros += from == to;
         s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
@@ -136,76 +140,98 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
 
     for (int i = 0; i < s->n; ++i) {
         diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
-        slope = rbdi_qp_larger(slope, rbdi_abs(s->given.f[i]));
+        slope = rbdi_qp_larger(slope, rbdi_qp_abs(s->given.f[i]));
     }
     s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / RBDI_QP_WAY : 1;
     at = rbdi_qp_factor(s);
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
 
-/* Multipliers of what holds. A proof that did not hold may stand there. */
-RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+/* Multipliers of what holds; one that is below 0 by rounding becomes 0. Returns whether none is. A proof that
+   did not hold may stand there. */
+RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+    int as_found = 1;
+
     for (int row = 0; row < s->all; ++row) lambda[row] = 0;
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
-        const rbd_real u = rbdi_qp_is_equality(s, row) ? s->u[j] : rbdi_qp_larger(s->u[j], 0);
+        const int pulls = s->u[j] < 0 && !rbdi_qp_is_equality(s, row);
+        const rbd_real u = pulls ? 0 : s->u[j];
         lambda[row] = s->side[row] > 0 ? u : -u;
+        as_found = as_found && !pulls;
     }
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 
     /* Rows of zeros: e = u/w is what 0 misses. */
-    for (int row = 0; row < s->all; ++row) {
+    for (int row = 0; row < s->all && s->zeros; ++row) {
         const rbd_real below = rbdi_qp_larger(s->given.lower[row], 0);
         const rbd_real above = rbdi_qp_larger(-s->given.upper[row], 0);
         if (s->from[row] < s->to[row]) continue;
         lambda[row] = rbdi_qp_weight(s, row) * (above - below);
         s->side[row] = (signed char)(lambda[row] > 0 ? 1 : lambda[row] < 0 ? -1 : 0);
     }
+    return as_found;
 }
 
-/* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
-   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. Leaves the value of each row. */
-RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+/* result.primal of x and lambda, by the values of the rows: of each row the miss, or where it pushes the
+   distance from the side, as a share of its terms. */
+RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
-    rbd_real worst, sum = 0, size;
 
     s->result.primal = 0;
     /* x may be nothing but what has cancelled */
     if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
-    size = rbdi_qp_gradient(s, x, s->t);
-    if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
+
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
-        const rbd_real value = (s->value[row] = rbdi_qp_row_times(s, row, x)) - miss;
+        const rbd_real value = s->value[row] - miss;
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
-        const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
-
-        if (lambda[row] != 0) {
-            rbdi_qp_add_row(s, row, lambda[row], s->t);
-            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
-        }
-        if (by <= 0) continue;
+        const rbd_real by = lambda[row] != 0 ? rbdi_qp_abs(at_upper ? above : below)
+                            : at_upper       ? above
+                                             : below;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+
         /* its terms are more than this, for a sum is more than a root of squares */
-        if (by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
-        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
+        if (by <= 0 || by <= s->result.primal * (rbdi_qp_abs(side) + furthest / s->unit[row])) continue;
+        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_qp_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
         else
             s->doubtful = 1;
     }
-    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
-    worst = rbdi_qp_largest(s->t, s->n);
-    s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum); /* not a number if one is none */
+}
+
+/* result.dual and s->balance of x and lambda, whatever they came from. */
+RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+    rbd_real size = rbdi_qp_gradient(s, x, s->t), push = 0;
+    if (!(size > 0)) size = s->rho * s->reach[0]; /* multipliers are rounding of this */
+
+    for (int row = 0; row < s->all; ++row) {
+        if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
+        const rbd_real term = rbdi_qp_abs(lambda[row]) / s->unit[row];
+        rbdi_qp_add_row(s, row, lambda[row], s->t);
+        if (rbdi_qp_weight(s, row) > 0) size = rbdi_qp_larger(size, term);
+        push = rbdi_qp_larger(push, term);
+    }
+    rbdi_qp_judge(s, size, push);
+}
+
+/* The verdict on x and lambda. `ended`: x is as rbdi_qp_refine left it, with the values of the rows; if no
+   multiplier had to be set to 0 and there is no rho, so is result.dual. */
+RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real *lambda) {
+    const int as_refined = rbdi_qp_multipliers(s, lambda) && ended && !(s->rho > 0);
+
+    if (!ended) rbdi_qp_evaluate(s, x, 1);
+    rbdi_qp_verify_rows(s, x, lambda);
+    if (!as_refined) rbdi_qp_verify_optimum(s, x, lambda);
 }
 
 /* A hard row of zeros contradicts itself, or asks for nothing. */
 RBDI_PART rbd_qp_status rbdi_qp_zero_rows(rbdi_qp *s, rbdi_qp_miss *miss) {
-    for (int row = 0; row < s->all; ++row) {
+    for (int row = 0; row < s->all && s->zeros; ++row) {
         const rbd_real lower = s->given.lower[row], upper = s->given.upper[row];
         if (s->from[row] < s->to[row] || rbdi_qp_weight(s, row) > 0 || (lower <= 0 && upper >= 0)) continue;
         miss->row = row;
@@ -226,7 +252,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     rbdi_qp_eliminate_all(s, 0);
     if (s->options.warm) rbdi_qp_eliminate_all(s, 1);
     rbdi_qp_take_guess(s);
-    rbdi_qp_basis(s);
+    s->columns = s->n - s->equalities;
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;
         s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
@@ -240,8 +266,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     if (status == RBD_QP_INFEASIBLE) {
         rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
     } else {
-        rbdi_qp_multipliers(s, lambda);
-        rbdi_qp_verify(s, x, lambda);
+        rbdi_qp_verify(s, status == RBD_QP_OK, x, lambda);
     }
     if (status == RBD_QP_OK &&
         (s->doubtful || !(rbdi_qp_larger(s->result.primal, s->result.dual) <= 10 * s->options.accuracy)))
@@ -264,14 +289,14 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
         status = rbdi_qp_refuse(s, RBD_QP_NAN, k, NULL);
     }
     if (!(s->result.dual - s->result.dual == 0)) s->result.dual = RBDI_QP_NONE;
+    if (!(s->balance - s->balance == 0)) s->balance = RBDI_QP_NONE;
     return status;
 }
 
-/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. symmetric: of the
-   state. */
+/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. */
 RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
-                                      const rbd_qp_options *options, int symmetric, void *memory, size_t size,
-                                      rbd_real *x, rbd_real *lambda, signed char *side) {
+                                      const rbd_qp_options *options, const rbdi_qp_shape *shape, void *memory,
+                                      size_t size, rbd_real *x, rbd_real *lambda, signed char *side) {
     static const rbd_qp_options defaults = {0, 0, 0, 0};
     static const rbd_qp_result none = {0, 0, 0, 0, 0, -1, NULL};
     rbd_qp_status status;
@@ -282,7 +307,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     if (!problem || !memory || !x) return RBD_QP_NULL;
     s->given = *problem;
     s->options = options ? *options : defaults;
-    s->symmetric = symmetric;
+    s->shape = *shape;
     s->side = side;
     s->lambda = lambda;
     s->soft = 0;
@@ -292,6 +317,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     s->rho = 0;
     s->doubtful = 0;
     s->furthest = 0;
+    s->balance = 0;
     status = rbdi_qp_check_problem(s);
     if (status == RBD_QP_OK && s->all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s->n, problem->bounds, problem->rows, s->soft))
@@ -306,6 +332,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
         if (!warm) side[row] = 0;
     }
     rbdi_qp_place(s, memory);
+    s->J = NULL;
     status = rbdi_qp_run(s, x, lambda);
     return rbdi_qp_bound_result(s, status, x, lambda);
 }
@@ -313,8 +340,9 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
 RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
                                     void *memory, size_t size, rbd_real *x, rbd_real *lambda,
                                     signed char *side, rbd_qp_result *result) {
+    const rbdi_qp_shape any = {0, problem ? problem->n : 0, 0, 0, 0};
     rbdi_qp s;
-    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, 0, memory, size, x, lambda, side);
+    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, &any, memory, size, x, lambda, side);
     if (result) *result = s.result;
     return status;
 }

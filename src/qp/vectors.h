@@ -1,6 +1,5 @@
 #ifndef RBDI_QP_VECTORS_H
 #define RBDI_QP_VECTORS_H
-#include "base/scalar.h"
 #include "qp/layout.h"
 
 /* Interface: rbdi_qp_dot, rbdi_qp_largest */
@@ -103,7 +102,7 @@ RBDI_INLINE rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b,
     }
     for (; i < n; ++i) {
         rest = rest + a[i] * b[i];
-        rest_size = rest_size + rbdi_abs(a[i] * b[i]);
+        rest_size = rest_size + rbdi_qp_abs(a[i] * b[i]);
     }
     *terms = rbdi_qp_total(sum_size, more_size) + rest_size;
     return rbdi_qp_total(sum, more) + rest;
@@ -168,14 +167,14 @@ RBDI_PART rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, i
         s1 = s1 + p1;
         s2 = s2 + p2;
         s3 = s3 + p3;
-        t0 = t0 + rbdi_abs(p0);
-        t1 = t1 + rbdi_abs(p1);
-        t2 = t2 + rbdi_abs(p2);
-        t3 = t3 + rbdi_abs(p3);
+        t0 = t0 + rbdi_qp_abs(p0);
+        t1 = t1 + rbdi_qp_abs(p1);
+        t2 = t2 + rbdi_qp_abs(p2);
+        t3 = t3 + rbdi_qp_abs(p3);
     }
     for (; i < n; ++i) {
         rest = rest + a[i] * b[i];
-        rest_size = rest_size + rbdi_abs(a[i] * b[i]);
+        rest_size = rest_size + rbdi_qp_abs(a[i] * b[i]);
     }
     *terms = ((t0 + t2) + (t1 + t3)) + rest_size;
     return ((s0 + s2) + (s1 + s3)) + rest;
@@ -196,16 +195,24 @@ RBDI_ONCE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, 
 /* The largest |a_i|. */
 RBDI_PART rbd_real rbdi_qp_largest(const rbd_real *a, int n) {
     rbd_real largest = 0;
-    for (int i = 0; i < n; ++i) largest = rbdi_qp_larger(largest, rbdi_abs(a[i]));
+    for (int i = 0; i < n; ++i) largest = rbdi_qp_larger(largest, rbdi_qp_abs(a[i]));
     return largest;
 }
 /* a_i becomes the largest of a_i, |x_i| and least. */
 RBDI_PART void rbdi_qp_raise(rbd_real *a, const rbd_real *x, rbd_real least, int n) {
-    for (int i = 0; i < n; ++i) a[i] = rbdi_qp_larger(rbdi_qp_larger(a[i], rbdi_abs(x[i])), least);
+    for (int i = 0; i < n; ++i) a[i] = rbdi_qp_larger(rbdi_qp_larger(a[i], rbdi_qp_abs(x[i])), least);
 }
 
 RBDI_ONCE void rbdi_qp_clear(rbd_real *a, int n) {
-    for (int i = 0; i < n; ++i) a[i] = 0;
+    int i = 0;
+
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
+        a[i] = 0;
+        a[i + 1] = 0;
+        a[i + 2] = 0;
+        a[i + 3] = 0;
+    }
+    for (; i < n; ++i) a[i] = 0;
 }
 RBDI_ONCE void rbdi_qp_copy(const rbd_real *from, rbd_real *to, int n) {
     for (int i = 0; i < n; ++i) to[i] = from[i];

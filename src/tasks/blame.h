@@ -31,8 +31,7 @@ RBDI_LOCAL void rbdi_tasks_blame(rbdi_tasks *k, int rows) {
             const rbdi_tasks_limit limit = rbdi_tasks_limit_of(k, row);
             const int equal = k->lower[row] >= k->upper[row];
             const rbd_real share = rbdi_tasks_share(k, row);
-            if (!(share > 0) || limit.part == RBD_TASKS_NOTHING || (i && limit.part == result->part[0]))
-                continue;
+            if (!(share > 0) || (i && limit.part == result->part[0])) continue;
             if (equal > firm || (equal == firm && !(share > most))) continue;
             firm = equal;
             most = share;

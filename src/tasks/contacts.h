@@ -5,15 +5,21 @@
 
 /* ---- contacts and dynamics [contacts and dynamics] ---- */
 
-/* Appends a row of zeros with these sides; returns it. */
-RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
+/* Appends a row with these sides; returns it, for its entries to be written. */
+RBDI_LOCAL rbd_real *rbdi_tasks_append_any(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
     rbd_real *row = &k->C[(ptrdiff_t)k->rows * k->n];
 
-    rbdi_clear(row, k->n);
     k->lower[k->n + k->rows] = lower;
     k->upper[k->n + k->rows] = upper;
     k->soft[k->n + k->rows] = rbdi_zero();
     ++k->rows;
+    return row;
+}
+
+/* The same of a row of zeros. */
+RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
+    rbd_real *row = rbdi_tasks_append_any(k, lower, upper);
+    rbdi_clear(row, k->n);
     return row;
 }
 
@@ -84,8 +90,8 @@ RBDI_LOCAL void rbdi_tasks_put_dynamics(rbdi_tasks *k, const rbd_real *M) {
         const int passive = rbdi_tasks_is_passive(k, i);
         const rbd_real most = passive ? rbdi_zero() : rbdi_tasks_torque(k, i);
         const int limited = most < RBDI_UNBOUNDED;
-        rbd_real *row =
-            rbdi_tasks_append(k, limited ? -most - k->bias[i] : -most, limited ? most - k->bias[i] : most);
+        rbd_real *row = rbdi_tasks_append_any(k, limited ? -most - k->bias[i] : -most,
+                                              limited ? most - k->bias[i] : most);
 
         for (int j = 0; j < k->nv; ++j) row[j] = M[i * k->nv + j];
         for (int j = 0; j < 3 * k->closed; ++j) row[k->nv + j] = -k->C[(ptrdiff_t)j * k->n + i];
@@ -130,9 +136,11 @@ RBDI_LOCAL void rbdi_tasks_put_robot(rbdi_tasks *k) {
     for (int i = 0; i < k->closed; ++i) rbdi_tasks_hold(k, &k->given->contact[k->contact[i]]);
     k->dynamics = k->rows;
     k->friction = k->rows;
+    k->robot = k->rows;
     if (!k->accelerations) return;
     rbdi_tasks_put_dynamics(k, M);
     rbdi_tasks_put_friction(k);
+    k->robot = k->rows;
 }
 
 #endif

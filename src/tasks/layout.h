@@ -44,6 +44,7 @@ typedef struct rbdi_tasks {
     int nv, n;              /* dofs, components of x */
     int closed;             /* contacts */
     int dynamics, friction; /* the first row of each kind: a row of C is counted from 0 */
+    int robot;              /* rows of C before those of tasks */
     int rows;               /* of C so far */
     rbd_real missed;        /* sum over the levels of the largest miss of a row, as a share of its terms */
     size_t scratch_size;

@@ -90,7 +90,7 @@ RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (unit * unit);
 
     rbdi_clear(k->f, k->n);
-    rbdi_clear(k->H, k->n * k->n);
+    rbdi_clear(k->H, k->nv * k->n);
     for (int i = 0; i < k->n; ++i) {
         const rbd_real own = i < k->nv ? rbdi_zero() : p->contact[k->contact[(i - k->nv) / 3]].cost;
         k->H[(ptrdiff_t)i * k->n + i] = i < k->nv ? motion : own > 0 ? own : force;
@@ -112,7 +112,8 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
         const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
         if (!(by > 0) || k->soft[row] > 0) continue;
         if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
-        most = rbdi_ik_larger(most, by / rbdi_qp_terms(s, row, side));
+        const rbd_real share = by / rbdi_qp_terms(s, row, side);
+        most = rbdi_ik_larger(most, rbdi_ik_smaller(share, rbdi_set(RBD_C(1)))); /* 1 if sums overflow */
     }
     return most;
 }
@@ -125,15 +126,22 @@ RBDI_LOCAL int rbdi_tasks_count_missed(rbdi_tasks *k, const rbdi_qp *s) {
     return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
 }
 
+/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
+RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
+    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
+           status == RBD_QP_UNBOUNDED;
+}
+
 /* Solves the QP of a level, with the first rows of C: those of its own tasks are squares in it. */
 RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int rows) {
     rbd_tasks_result *result = k->result;
     rbd_qp_problem qp;
     rbd_qp_options options;
+    const rbdi_qp_shape shape = {1, k->nv, k->dynamics, k->friction, k->robot};
     rbdi_qp s;
     rbd_qp_status status;
 
-    for (int i = 0; i < k->n; ++i)
+    for (int i = 0; i < k->nv; ++i)
         for (int j = 0; j < i; ++j) k->H[(ptrdiff_t)j * k->n + i] = k->H[(ptrdiff_t)i * k->n + j];
 
     qp.n = k->n;
@@ -144,24 +152,26 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     qp.C = k->C;
     qp.lower = k->lower;
     qp.upper = k->upper;
-    qp.soft = k->soft;
+    qp.soft = k->given->limit_weight > 0 || k->given->torque_weight > 0 ? k->soft : NULL;
     options.steps = k->given->steps;
     options.warm = k->given->warm;
     options.rounds = 0;
     options.accuracy = rbdi_zero();
 
     if (options.warm) rbdi_tasks_keep(k, level, rows, 0);
-    status = rbdi_qp_solve(&s, &qp, &options, 1, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
+    status = rbdi_qp_solve(&s, &qp, &options, &shape, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
     rbdi_tasks_keep(k, level, rows, 1);
     result->qp = status;
     result->level = level;
     result->steps += s.result.steps;
     result->primal = rbdi_ik_larger(result->primal, s.result.primal);
-    result->dual = rbdi_ik_larger(result->dual, s.result.dual);
+    result->dual = rbdi_ik_larger(result->dual, s.balance);
+    if (!rbdi_tasks_has_answer(status)) return status;
 
-    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.result.dual) < RBDI_TASKS_ACCURACY)
+    /* x is what counts: nobody asks for multipliers, of rows that nearly depend on each other */
+    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.balance) < RBDI_TASKS_ACCURACY)
         status = RBD_QP_OK;
-    if (status == RBD_QP_OK && !rbdi_tasks_count_missed(k, &s)) {
+    if (!rbdi_tasks_count_missed(k, &s) && status == RBD_QP_OK) {
         result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
         return RBD_QP_INACCURATE;
     }
@@ -202,12 +212,6 @@ RBDI_LOCAL int rbdi_tasks_put_level(rbdi_tasks *k, int level) {
     return tasks;
 }
 
-/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
-RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
-    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
-           status == RBD_QP_UNBOUNDED;
-}
-
 /* Whether a level above this one has tasks. */
 RBDI_LOCAL int rbdi_tasks_goes_on(const rbdi_tasks *k, int level) {
     for (int i = 0; i < k->given->tasks; ++i)
@@ -220,12 +224,17 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
     int solved = 0;
 
     for (int level = 0; level < RBD_TASK_LEVELS && k->n > 0; ++level) {
+        const rbd_real primal = k->result->primal, dual = k->result->dual;
         const int rows = k->rows;
         rbd_qp_status status;
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
-        if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
+        if (status != RBD_QP_OK && solved) { /* the answer of the level before stands */
+            k->result->primal = primal;
+            k->result->dual = dual;
+            return RBD_TASKS_INEXACT;
+        }
         if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
         if (!rbdi_tasks_has_answer(status)) {
             rbdi_tasks_refuse(k->result, RBD_ERR_NAN, NULL);

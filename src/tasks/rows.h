@@ -66,7 +66,7 @@ RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_ta
 RBDI_LOCAL void rbdi_tasks_of_com(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
     rbd_real com[3] = {0}, a[3] = {0};
 
-    rbdi_ik_com_jacobian(k->m, k->w, k->w->F, &k->J[3 * k->nv]);
+    rbdi_ik_com_jacobian(k->m, k->w, rbd_mass(k->m), k->w->F, &k->J[3 * k->nv]);
     rbd_com(k->m, k->w, com, NULL, a);
     s->e.v = rbdi_ik_way(t->position, rbdi_load_vec(com, 1));
     s->drift.v = rbdi_load_vec(a, 1);

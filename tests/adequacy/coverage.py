@@ -50,8 +50,11 @@ def programs():
     for robot in "iiwa", "hyq":
         out.append((f"features {robot}", [f"features_{robot}.c", "features.c"], [], QUICK, []))
     out.append(("spatial frames", ["spatial_frames.c"], [], QUICK, []))
-    for name, flags in {"double": [], "float": ["-DRBD_REAL=float"], "scalars": ["-U__SSE2__"]}.items():
+    for name, flags in {"double": [], "float": ["-DRBD_REAL=float"], "scalars": ["-U__SSE2__"],
+                        "small": ["-U__OPTIMIZE__"], "small scalars": ["-U__SSE2__", "-U__OPTIMIZE__"]}.items():
         out.append((f"qp {name}", ["test_qp.c"], [], [*RUN_LONG, *flags], []))
+    for real in "double", "float":
+        out.append((f"tasks {real}", ["tasks_scalars.c"], [], [*RUN_LONG, f"-DRBD_REAL={real}"], []))
     return out
 
 

@@ -19,7 +19,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from source import Exceptions, HEADERS, ROOT, Source, squeeze
+from source import Exceptions, HEADERS, ROOT, Source, amalgamate, squeeze
 
 HERE = Path(__file__).resolve().parent
 TESTS = ROOT / "tests"
@@ -177,11 +177,16 @@ def bounds(code):
 KINDS = [operators, unaries, members, indices, constants, terms, statements, arguments, bounds]
 
 
+def is_of_its_own(source, line):
+    """Whether a line is in a room that no other header has: rooms that rbd_qp.h shares with rbd.h are tried there."""
+    return source.name not in amalgamate.ALONE or source.places[line][0] not in amalgamate.shared()
+
+
 def enumerate_mutants(source, seed):
     """All of them, in the order of their hashes. Two that read the same count once."""
     found = {}
     for n, code in enumerate(source.code):
-        if not code.strip() or re.match(r"\s*(typedef|case \w+:\s*$)", code):
+        if not code.strip() or re.match(r"\s*(typedef|case \w+:\s*$)", code) or not is_of_its_own(source, n):
             continue
         line = source.lines[n]
         for kind in KINDS:
@@ -293,7 +298,7 @@ def stages(header):
     def qp(scalar_name, *flags, link=()):
         return Stage("qp " + scalar_name, (("test_qp.c", ("-O1", *flags)),), link=link, headers="rbd_qp")
 
-    out = [qp("double"), qp("float", "-DRBD_REAL=float"), qp("sanitized", *SANITIZE, link=SANITIZE[:2]),
+    out = [qp("double"), qp("float", "-DRBD_REAL=float"), qp("scalars", "-U__SSE2__"), qp("sanitized", *SANITIZE, link=SANITIZE[:2]),
            Stage("ik double", (("ik_scalars.c", ("-O1", APART)),), headers="rbd_ik"),
            Stage("estimate double", (("estimate_scalars.c", ("-O1", APART)),), headers="rbd_estimate"),
            Stage("tasks double", (("tasks_scalars.c", ("-O1", APART)),), headers="rbd_tasks"),

@@ -3,7 +3,7 @@
 
     rooms.py                 checks: a room includes what it uses and no more; no circle, no arrow up between storeys; a
                              storey uses of another one only what an Interface names; joint types and comments name
-                             what is there
+                             what is there; no function stands in two rooms (twice.py)
     rooms.py --mend          writes the #include lines of all rooms anew, from what they use
     rooms.py --interfaces    writes the Interface of each room anew: a decision, so read the difference
     rooms.py --draw          writes docs/rooms.svg
@@ -18,6 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "src"))
 import amalgamate  # noqa: E402
+import twice  # noqa: E402
 
 STOREYS = ["api", "base", "qp", "algebra", "spatial", "model", "dynamics", "motion", "derivatives", "constraints", "contact", "ik", "estimate", "actuator", "tasks", "batch"]
 OPEN = ["api", "base", "algebra"]
@@ -279,7 +280,7 @@ def main(arguments):
         return 0
     if arguments:
         raise SystemExit(__doc__)
-    wrong = [*check(house), *joint_types(house), *names_in_comments(house)]
+    wrong = [*check(house), *joint_types(house), *names_in_comments(house), *twice.findings(twice.rooms())]
     if not drawn.exists() or drawn.read_text(encoding="utf-8") != picture(house):
         wrong.append("docs/rooms.svg is another house: python3 tests/adequacy/rooms.py --draw")
     print("\n".join(wrong) if wrong else f"{len(house.rooms)} rooms in {len(STOREYS)} storeys")

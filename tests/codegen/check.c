@@ -16,6 +16,7 @@ static int refined; /* whether rbd.h refined its rows, which generated code does
 #include "rbd_derivatives.h"
 
 #include "chosen.h"
+#include "../larger.h"
 
 #include <float.h>
 #include <math.h>
@@ -155,18 +156,21 @@ static int is_angle(int k) {
 
 /* ---- comparison, relative to the largest entry ---- */
 
-/* Anything is right where rbd.h has NaN, NaN anywhere if it may stand there; returns how often it does. */
+/* Anything is right where rbd.h has NaN, of a state with NaN or an angle out of bounds; NaN anywhere if it
+   may stand there. Returns how often it does. */
 static int compare(const char *what, int state, const REAL *right, const real *found, int n, int lane,
                    double tolerance, int may_be_nan) {
+    const int anything = state == NOT_A_NUMBER || state == BEYOND;
     double largest = 0;
     int count = 0;
-    for (int k = 0; k < n; k++) largest = fmax(largest, fabs((double)right[k]));
+    for (int k = 0; k < n; k++)
+        if (!isnan(right[k])) largest = larger(largest, fabs((double)right[k]));
     if (CODE_REPRODUCIBLE) largest = 1; /* to the bit, beside infinite entries too */
     for (int k = 0; k < n; k++) {
         const double error =
             fabs((double)LANE(found[k], lane) - (double)right[k]) / (largest > 0 ? largest : 1);
         count += isnan((double)LANE(found[k], lane)) != 0;
-        if (isnan(right[k]) || (double)LANE(found[k], lane) == (double)right[k] ||
+        if ((anything && isnan(right[k])) || (double)LANE(found[k], lane) == (double)right[k] ||
             (may_be_nan && isnan((double)LANE(found[k], lane))))
             continue;
         if (!(error <= tolerance)) {
@@ -192,8 +196,8 @@ static double condition(const REAL *M) {
         rbd_cholesky_solve(m, w, L, x, x);
         for (int i = 0; i < n; i++)
             column += fabs((double)M[n * i + j]), column_of_inverse += fabs((double)x[i]);
-        norm = fmax(norm, column);
-        inverse = fmax(inverse, column_of_inverse);
+        norm = larger(norm, column);
+        inverse = larger(inverse, column_of_inverse);
     }
     return norm * inverse;
 }

@@ -1,6 +1,7 @@
 // fuzz.cpp - writes code of a random robot, with rbd.h's results in random states as its self-test: all
 // functions, by options that the robot's number draws.
 // usage: fuzz FOLDER NUMBER, writes FOLDER/fNUMBER_code.h and .c
+#include "../larger.h"
 #include "quad.h"
 #include "rbd.h"
 #include "rbd_constraints.h"
@@ -97,7 +98,7 @@ double epsilon(const drawn &x) { return x.t.is_float ? double(FLT_EPSILON) : DBL
 
 double largest(const std::vector<double> &all) {
     double x = 0;
-    for (double y : all) x = std::fmax(x, std::fabs(y));
+    for (double y : all) x = larger(x, std::fabs(y));
     return x;
 }
 
@@ -180,7 +181,7 @@ std::vector<double> scatter_of(const drawn &x, const std::vector<neighbour> &nea
         for (size_t k = 0; k < y.size(); k++) {
             const double difference = y[k] - exact[k],
                          known = std::isfinite(difference) ? difference : HUGE_VAL;
-            low[k] = std::fmin(low[k], known), high[k] = std::fmax(high[k], known);
+            low[k] = std::fmin(low[k], known), high[k] = larger(high[k], known);
         }
     }
     for (size_t k = 0; k < low.size(); k++) high[k] -= std::isfinite(high[k]) ? low[k] : 0;
@@ -197,8 +198,8 @@ double tolerance_of(const drawn &x, const codegen::function &f, const codegen::e
     for (const codegen::array &a : f.outputs) {
         double size = std::fmax(least, 1e-300), sum = 0;
         for (const size_t end = k + size_t(a.size); k < end; k++)
-            size = std::fmax(size, std::fabs(e.out[k])), sum += scatter[k];
-        worst = std::fmax(worst, sum / size);
+            size = larger(size, std::fabs(e.out[k])), sum += scatter[k];
+        worst = larger(worst, sum / size);
     }
     return (x.t.is_float ? 100 : 20) * (10 * epsilon(x) + worst);
 }
@@ -215,13 +216,13 @@ void add_example(const drawn &x, const std::vector<neighbour> &near, const input
         to->may_be_empty |= !found.empty() || e.rank < e.rows || (e.rows > 0 && !x.has_usual_sizes);
         if (found.empty()) return;
         for (size_t k = 0; k < found.size(); k++)
-            if (std::isnan(found[k]) && !std::isnan(e.out[k]))
-                throw std::logic_error(to->name + " gives NaN");
+            if (std::isnan(found[k]) || std::isnan(e.out[k]))
+                throw std::logic_error((std::isnan(e.out[k]) ? "rbd.h's " : "") + to->name + " gives NaN");
         const double least = least_of(x, *to, e);
         const double tolerance = tolerance_of(x, to->code.f, e, least, scatter_of(x, near, *to, e));
         if (!(tolerance < (x.t.is_float ? 0.05 : 1e-4))) return;
         to->code.examples.push_back(e);
-        to->code.least = std::fmax(to->code.least, least);
+        to->code.least = larger(to->code.least, least);
         if (!to_the_bit) to->code.tolerance = std::fmax(to->code.tolerance, tolerance);
     } catch (const std::runtime_error &) {
         to->may_be_empty = true;

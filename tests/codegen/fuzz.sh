@@ -76,5 +76,7 @@ esac |
 status=$?
 cat "$folder/report"
 wrong=$(grep -c 'WRONG by\|^not written' "$folder/report")
-echo "$(grep -c ' functions, .* states' "$folder/report") robots, $(grep -c '\.urdf' "$folder/report") models, $wrong wrong"
-[ "$wrong" -eq 0 ] && [ $status -eq 0 ]
+models=$(grep -c '\.urdf' "$folder/report")
+states=$(sed -n 's/.* functions, \([0-9]*\) states$/\1/p' "$folder/report" | awk '{ sum += $1 } END { print sum + 0 }')
+echo "$(grep -c ' functions, .* states' "$folder/report") robots in $states states, $models models, $wrong wrong"
+[ "$wrong" -eq 0 ] && [ $status -eq 0 ] && [ $((models + states)) -gt 0 ]

@@ -1,6 +1,7 @@
 /* kernels.cu - rbd.h and its companions as code of a GPU, one state a thread. That nvcc compiles it, and
    clang without CUDA's headers and libraries, is half of the test. A compiler of C++ alone is told to be one
    for a GPU: then the kernels are loops, and main compares them with usual.c. */
+#include "../larger.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -96,10 +97,10 @@ static int same(const char *name, int n, int (*usual)(const state *, float *)) {
         wrong += usual(&states[i], expected) != RBD_OK || statuses[i] != RBD_OK;
         for (int k = 0; k < n; ++k) {
             const double d = fabs((double)y[k] - expected[k]);
-            if (fabs(expected[k]) > scale) scale = fabs(expected[k]);
-            if (!(d <= error)) error = d;
+            scale = larger(scale, fabs(expected[k]));
+            error = larger(error, d);
         }
-        if (!(error / scale <= most)) most = error / scale;
+        most = larger(most, error / scale);
         moves += i > 0 && memcmp(y, results, sizeof(float) * (size_t)n) != 0;
     }
 

@@ -35,14 +35,15 @@ falling() {
 # falls: the example without a GPU, which prints what its page shows
 falls() {
     # shellcheck disable=SC2086 # words wanted
-    ${CXX:-c++} -x c++ -std=c++11 -Og -Wall -Wextra -Dalways_inline=unused -I"$root" "$root/examples/gpu/falling.cu" \
+    ${CXX:-c++} -x c++ -std=c++11 -O0 -Wall -Wextra -Dalways_inline=unused -I"$root" "$root/examples/gpu/falling.cu" \
         -o "$scratch/falling" && falling >"$scratch/fell" && sh "$root/examples/check.sh" "$root/examples/README.md" gpu_falling cat "$scratch/fell"
 }
 
-# ptx ARCHITECTURE LEVEL: all kernels are there, and nothing that they call is missing. The code model stops a pass of
+# ptx ARCHITECTURE FLAGS: all kernels are there, and nothing that they call is missing. The code model stops a pass of
 # clang 19 whose tables its own back end cannot write.
 ptx() {
-    clang++-19 -x cuda --cuda-device-only -nocudainc -nocudalib --cuda-gpu-arch="$1" "$2" -mcmodel=medium -std=c++11 \
+    # shellcheck disable=SC2086 # words wanted
+    clang++-19 -x cuda --cuda-device-only -nocudainc -nocudalib --cuda-gpu-arch="$1" $2 -mcmodel=medium -std=c++11 \
         -Wall -Werror -Wno-unknown-cuda-version -S -I"$root" "$kernels" -o "$scratch/$1.ptx" || return 1
     [ "$(grep -c '\.visible \.entry' "$scratch/$1.ptx")" -eq 11 ] || { echo "not eleven kernels"; return 1; }
     ! grep '\.extern' "$scratch/$1.ptx"
@@ -85,7 +86,7 @@ loops || failed "results of the kernels as loops"
 falls || failed "robots that fall"
 
 if command -v clang++-19 >/dev/null; then
-    ptx sm_87 -O1 || failed "PTX for sm_87"
+    ptx sm_87 '-O0 -Dalways_inline=unused' || failed "PTX for sm_87"
     if [ -n "${RBD_ALL_TESTS-}" ]; then
         ptx sm_90 -O2 || failed "PTX for sm_90"
     else

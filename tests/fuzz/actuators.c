@@ -482,5 +482,6 @@ int main(int count, char **arguments) {
         "%ld problems of each kind, %ld steps, %ld not settled, %ld of %ld inverses at a jump, %ld runs gain "
         "energy in a step that does not settle, wrong: %ld\n",
         tried, steps, unsettled, jumps, 20 * tried, gains, wrong);
-    return wrong > 0 || unsettled * (in_float ? 1000 : 5000) > steps || jumps * 100 > 20 * tried;
+    return wrong > 0 || steps == 0 || unsettled * (in_float ? 1000 : 5000) > steps ||
+           jumps * 100 > 20 * tried;
 }

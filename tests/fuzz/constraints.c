@@ -13,6 +13,7 @@
 #include "rbd_constraints.h"
 #include "rbd_batch.h"
 
+#include "../larger.h"
 #include "dense.h"
 #include "problems.h"
 
@@ -120,6 +121,7 @@ typedef struct worst {
 static worst worst_of[PROBLEM_CLASSES][QUANTITIES];
 static double current[QUANTITIES];
 static long failed[PROBLEM_CLASSES][KINDS], failures, done[PROBLEM_CLASSES];
+static long of_class[PROBLEM_CLASSES], of_quantity[QUANTITIES]; /* comparisons */
 static int class_number, problem_number, shown = 3;
 
 enum { CLEAR, UNCLEAR, INFEASIBLE, DERIVATIVES, ASSEMBLED, NEAR_SINGULAR, COUNTS };
@@ -137,8 +139,10 @@ static void fail(int kind, double value) {
 static void record(int quantity, quad value) {
     const double error = value >= 0 ? (double)value : HUGE_VAL; /* not a number */
     worst *w = &worst_of[class_number][quantity];
-    if (!(error <= current[quantity])) current[quantity] = error;
-    if (!(error <= w->error)) *w = (worst){error, problem_number};
+    of_class[class_number]++;
+    of_quantity[quantity]++;
+    current[quantity] = larger(current[quantity], error);
+    if (error > w->error) *w = (worst){error, problem_number};
     if (!(error <= quantities[quantity].bound)) fail(quantity, error);
 }
 
@@ -259,18 +263,18 @@ static const quad consistent = 1e-11L, contradictory = 1e-3L;
 
 /* Where nothing is asked for, the rows agree whatever their rank. */
 static void answer_question(question *k, quad x0_size) {
-    quad rest[DENSE_ROWS], y[WORLD_DOFS], most = 0, b_size = 0;
+    quad rest[DENSE_ROWS], y[WORLD_DOFS], b_size = 0;
+    double most = 0;
     int nothing = 1;
     dense_solve(&exact, &J, rank, k->x0, k->b, k->x, k->lambda, rest);
     k->size = x0_size;
     for (int i = 0; i < nv; i++) y[i] = k->x[i] - k->x0[i];
     k->size += dense_norm(&exact, y);
     for (int i = 0; i < rows; i++) {
-        const quad size = k->b_size[i] + exact.scale[i] * k->size,
-                   off = relative(rest[i] * exact.scale[i], size);
+        const quad size = k->b_size[i] + exact.scale[i] * k->size;
         b_size += k->b_size[i] / exact.scale[i];
         nothing &= k->b[i] <= 0 && k->b[i] >= 0;
-        most = off > most ? off : most;
+        most = larger(most, (double)relative(rest[i] * exact.scale[i], size));
     }
     k->size += b_size;
     const quad least = (rank > 0 ? exact.sigma[rank - 1] : 1) * exact.least_share;
@@ -318,7 +322,7 @@ static const quad little = 1e-6L;
 
 /* f - J' lambda = 0, by rows, relative to what is added up. */
 static void check_equation(int quantity, const quad *f, const quad *size, const double *lambda) {
-    quad worst_row = 0;
+    double worst_row = 0;
     for (int k = 0; k < nv; k++) {
         quad error = f[k], all = size[k];
         for (int i = 0; i < rows; i++) {
@@ -326,13 +330,14 @@ static void check_equation(int quantity, const quad *f, const quad *size, const 
             all += (magnitude(J.J[i][k]) + little * J.J_size[i][k]) * magnitude(lambda[i]);
         }
         const quad off = relative(error, all);
-        if (!(off <= worst_row)) worst_row = off;
+        worst_row = larger(worst_row, (double)off);
     }
     record(quantity, worst_row);
 }
 
 static void check_rows(int quantity, const question *k, const double *x) {
-    quad worst_row = 0, change[WORLD_DOFS];
+    quad change[WORLD_DOFS];
+    double worst_row = 0;
     for (int j = 0; j < nv; j++) change[j] = x[j] - k->x0[j];
     const quad size = k->size + dense_norm(&exact, change);
     for (int i = 0; i < rows; i++) {
@@ -342,7 +347,7 @@ static void check_rows(int quantity, const question *k, const double *x) {
             all += magnitude(J.J[i][j]) * magnitude(x[j]) + magnitude(J.J[i][j]) * magnitude(k->x0[j]);
         }
         const quad off = relative(error, all);
-        if (!(off <= worst_row)) worst_row = off;
+        worst_row = larger(worst_row, (double)off);
     }
     record(quantity, worst_row);
 }
@@ -388,7 +393,7 @@ static int usable(rbd_status status) {
 
 static void check_jacobian(const set *s) {
     static double found[DENSE_ROWS * WORLD_DOFS], gamma[DENSE_ROWS], e[DENSE_ROWS];
-    quad worst_J = 0, worst_gamma = 0, worst_e = 0;
+    double worst_J = 0, worst_gamma = 0, worst_e = 0;
     const rbd_status status = rbd_constraint_jacobian(model, s->c, now.state.q, now.state.v, found, gamma, e);
     if (status != RBD_OK) {
         fail(OTHER_STATUS, status);
@@ -396,15 +401,10 @@ static void check_jacobian(const set *s) {
     }
     if (!finite(found, rows * nv) || !finite(gamma, rows) || !finite(e, rows)) return;
     for (int i = 0; i < rows; i++) {
-        quad off;
-        for (int k = 0; k < nv; k++) {
-            off = relative(found[i * nv + k] - J.J[i][k], J.J_size[i][k]);
-            if (!(off <= worst_J)) worst_J = off;
-        }
-        off = relative(gamma[i] - J.gamma[i], J.gamma_size[i]);
-        if (!(off <= worst_gamma)) worst_gamma = off;
-        off = relative(e[i] - J.e[i], J.e_size[i]);
-        if (!(off <= worst_e)) worst_e = off;
+        for (int k = 0; k < nv; k++)
+            worst_J = larger(worst_J, (double)relative(found[i * nv + k] - J.J[i][k], J.J_size[i][k]));
+        worst_gamma = larger(worst_gamma, (double)relative(gamma[i] - J.gamma[i], J.gamma_size[i]));
+        worst_e = larger(worst_e, (double)relative(e[i] - J.e[i], J.e_size[i]));
     }
     record(JACOBIAN, worst_J);
     record(GAMMA, worst_gamma);
@@ -742,13 +742,13 @@ static void check_derivatives(const set *s, const question *k, const answer *fir
             for (int i = 0; i < rows; i++) rows_column[i] = dlambda[x][i * nv + j];
             const quad off = distance_between(column, change), off_force = force_distance(rows_column, force);
             size = largest > size ? largest : size;
-            if (!(off <= error_a)) error_a = off;
-            if (!(off_force <= error_lambda)) error_lambda = off_force;
+            error_a = larger(error_a, (double)off);
+            error_lambda = larger(error_lambda, (double)off_force);
         }
         if (!agree) continue; /* the rank changes here */
         const quad off = error_a / (size + k->size), off_force = error_lambda / (size + k->size);
-        if (!(off <= worst_a)) worst_a = off;
-        if (!(off_force <= worst_lambda)) worst_lambda = off_force;
+        worst_a = larger(worst_a, (double)off);
+        worst_lambda = larger(worst_lambda, (double)off_force);
     }
     record(DA, worst_a / k->condition);
     record(DLAMBDA, worst_lambda / k->condition);
@@ -841,8 +841,8 @@ static void check_assembly(void) {
         quad size = 0;
         for (int k = 0; k < nv; k++) size += at.J_size[i][k] * at.J_size[i][k];
         const quad off = magnitude(at.e[i]), off_v = relative(at.Jv[i], world_sqrt(size) * length_of_v);
-        if (!(off <= worst_e)) worst_e = off;
-        if (!(off_v <= worst_v)) worst_v = off_v;
+        worst_e = larger(worst_e, (double)off);
+        worst_v = larger(worst_v, (double)off_v);
     }
     record(CLOSED, worst_e);
     memset(W, 0, sizeof W);
@@ -998,6 +998,12 @@ static void hold_row(int quantity, const char *row) {
     }
 }
 
+static void expect_compared(const char *what, long comparisons) {
+    if (comparisons > 0) return;
+    printf("FAIL %s: nothing is compared\n", what);
+    failures++;
+}
+
 /* Compares with the rows behind the mark. */
 static void hold(const char *path) {
     char line[400];
@@ -1012,6 +1018,8 @@ static void hold(const char *path) {
         }
     }
     if (file) fclose(file);
+    for (int c = 0; c < PROBLEM_CLASSES; c++) expect_compared(problem_names[c], of_class[c]);
+    for (int k = 0; k < QUANTITIES; k++) expect_compared(quantities[k].name, of_quantity[k]);
     if (held != QUANTITIES) {
         printf("FAIL %s: %d rows of constraints instead of %d\n", path, held, (int)QUANTITIES);
         failures++;
@@ -1021,6 +1029,7 @@ static void hold(const char *path) {
 int main(int argc, char **argv) {
     int problems = 10000, from = 0, only = -1, publish = 0;
     double seconds = 0;
+    long all = 0;
     const char *document = NULL;
     for (int i = 1; i < argc; i++) {
         const int more = argc - 1 - i;
@@ -1056,5 +1065,6 @@ int main(int argc, char **argv) {
     else
         print_worst();
     if (document) hold(document);
-    return failures > 0;
+    for (int c = 0; c < PROBLEM_CLASSES; c++) all += done[c];
+    return failures > 0 || all == 0;
 }

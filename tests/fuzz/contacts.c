@@ -13,6 +13,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_contact.h"
 
+#include "../larger.h"
 #include "dense.h"
 #include "robots.h"
 
@@ -122,7 +123,7 @@ typedef struct worst {
 } worst;
 static worst worst_of[KINDS][QUANTITIES];
 static double worst_unsolved[KINDS]; /* residual */
-static long counts[KINDS][COUNTS], failures;
+static long counts[KINDS][COUNTS], compared[QUANTITIES], failures;
 static int kind_now, number_now, shown = 5, show;
 
 static void fail(const char *what, double value) {
@@ -134,12 +135,11 @@ static void record(int quantity, double value) {
     const double error = value >= 0 ? value : value < 0 ? 0 : HUGE_VAL; /* not a number */
     worst *w = &worst_of[kind_now][quantity];
     const double bound = IN_FLOAT ? quantities[quantity].in_float : quantities[quantity].bound;
+    compared[quantity]++;
     if (show) printf("%-20s %.2e\n", quantities[quantity].name, error);
     if (error > w->error) *w = (worst){error, number_now};
     if (!(error <= bound)) fail(quantities[quantity].name, error);
 }
-
-static double larger(double a, double b) { return a > b || !(b >= 0) ? a : b; }
 
 static double largest_of(const quad *x, int n) {
     double most = 0;
@@ -200,17 +200,18 @@ static void find_velocities(laws *x, double speed) {
 static void judge_contact(const laws *x, int i, double *cone, double *signorini, double *dissipation) {
     const quad *p = &x->p[3 * i], *u = &x->u[3 * i];
     const double pt = magnitude_of(p, 2), ut = magnitude_of(u, 2), pn = (double)p[2], un = (double)u[2],
-                 d = (double)x->delta[3 * i + 2][3 * i + 2], s = x->speed,
+                 d = (double)x->delta[3 * i + 2][3 * i + 2], rigid = d - x->spring[i], s = x->speed,
                  along = (double)(p[0] * u[0] + p[1] * u[1]);
     double trace = d;
     for (int j = 0; j < 2; j++) trace += (double)x->delta[3 * i + j][3 * i + j];
     if (pn > 0 || pt > 0) *cone = larger(*cone, larger(pt / pn - x->mu[i], -pn) / (1 + x->mu[i]));
     if (!(d > 64 * unit_of_real * trace)) return;
 
-    /* the error of p_n, by the velocity that it moves */
-    const double error = un * (d - x->spring[i]) / d;
+    /* the errors of p_n and p_t, by the velocities that they move: a spring is no mass */
+    const double error = un * rigid / d;
     *signorini = larger(*signorini, larger(-error, d * pn * error / (s + d * pn)) / s);
-    *dissipation = larger(*dissipation, d * fabs(along + x->mu[i] * pn * ut) / (s * (s + d * (pt + pn))));
+    const double kept = fabs(along + x->mu[i] * pn * ut);
+    *dissipation = larger(*dissipation, rigid * kept / (s * (s + rigid * (pt + pn))));
 }
 
 static void judge_bounded(const laws *x, int r, double *cone, double *signorini) {
@@ -1835,7 +1836,7 @@ static void run_long(int scene_number, long steps) {
         }
         if (!finite(r.q, rbd_nq(model)) || !finite(r.v, nv)) fail(failure_names[NOT_FINITE], (double)n);
         const double energy = energy_of(&r);
-        least = fmin(least, energy), most = fmax(most, energy), made = fmax(made, energy - before);
+        least = fmin(least, energy), most = larger(most, energy), made = larger(made, energy - before);
         residual = larger(residual, (double)rbd_contact_last(set).residual);
         before = energy;
     }
@@ -2139,6 +2140,16 @@ static void run_kind(int kind, int from, int n) {
     for (int i = from; tree && i < from + each; i++) run_tree(kind, i);
 }
 
+/* A run that compares nothing is no success; one of all kinds, and not too short, has every quantity. Two
+   methods are compared in double alone. */
+static void expect_compared(int is_long) {
+    long problems = 0;
+    for (int k = 0; k < KINDS; k++) problems += counts[k][PROBLEMS];
+    if (problems == 0) fail("no problem is tried", 0);
+    for (int q = 0; q < QUANTITIES && is_long; q++)
+        if (compared[q] == 0 && !(IN_FLOAT && q == METHODS)) fail(quantities[q].name, -1);
+}
+
 int main(int argc, char **argv) {
     int problems = 100000, from = 0, only = -1;
     double seconds = 0;
@@ -2158,6 +2169,7 @@ int main(int argc, char **argv) {
             only = kind_of(argv[++i]);
         else if (more > 0 && strcmp(argv[i], "--long") == 0) {
             const long steps = atol(argv[++i]);
+            if (steps < 1) fail("no step is tried", 0);
             kind_now = RUNS;
             for (int k = 0; k < LONG_SCENES; k++) run_long(k, steps);
             printf("%ld failures\n", failures);
@@ -2168,6 +2180,7 @@ int main(int argc, char **argv) {
             if (kind == SINGLE) run_single(number);
             if (kind == BROKEN) run_broken(number);
             if (kind > SINGLE && kind < TREES_END) run_tree(kind, number);
+            expect_compared(0);
             return failures > 0;
         } else {
             printf("usage: see the head of contacts.c\n");
@@ -2184,6 +2197,7 @@ int main(int argc, char **argv) {
     print_counts();
     print_runs();
     if (publish) publish_accuracy(publish), publish_runs(publish);
+    expect_compared(only < 0 && part >= 1000);
     printf("%ld failures\n", failures);
     return failures > 0;
 }

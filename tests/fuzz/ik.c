@@ -16,6 +16,7 @@
 #include <time.h>
 
 #include "../ik_robots.h"
+#include "../larger.h"
 #include "models/iiwa.h"
 
 enum { MOST_Q = 8 };
@@ -141,12 +142,12 @@ int main(int count, char **arguments) {
         printf("%-10s %9ld %7.2f %% %8.1f %% %12.1f %12d %6ld\n", arm[a].name, t->poses,
                100. * (double)t->reached / (double)t->poses, 100. * (double)t->first / (double)t->poses,
                (double)t->evaluations / (double)t->poses, t->most, t->wrong);
-        failed += t->wrong > 0 || (double)t->reached < 0.999 * (double)t->poses;
+        failed += t->wrong > 0 || t->poses == 0 || (double)t->reached < 0.999 * (double)t->poses;
     }
 
     build(0);
-    for (long k = 0; k < (poses + 19) / 20; k++) worst = fmax(worst, try_far(start + (uint64_t)k, &far));
+    for (long k = 0; k < (poses + 19) / 20; k++) worst = larger(worst, try_far(start + (uint64_t)k, &far));
     printf("%-10s %9ld %20s %12.1f %12d %6ld  distance off by %.1e m at most\n", "too far", far.poses, "",
            (double)far.evaluations / (double)far.poses, far.most, far.wrong, worst);
-    return failed > 0 || far.wrong > 0 || worst > 1e-4;
+    return failed > 0 || far.wrong > 0 || far.poses == 0 || !(worst <= 1e-4);
 }

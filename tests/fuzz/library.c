@@ -10,6 +10,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 
+#include "../larger.h"
 #include "robots.h"
 
 #include <float.h>
@@ -60,6 +61,7 @@ typedef struct worst {
 static worst worst_of[CLASSES][QUANTITIES], current[QUANTITIES];
 static int failures, class_number, robot_number;
 static long robots_done, refused, accepted_singular, beyond_range;
+static long of_class[CLASSES], of_quantity[QUANTITIES]; /* comparisons */
 
 static void fail(const char *what, const char *why) {
     printf("FAIL %s: %s: %s %d: %s\n", TEXT(RBD_REAL), what, class_names[class_number], robot_number, why);
@@ -67,9 +69,12 @@ static void fail(const char *what, const char *why) {
 }
 
 static void record(int quantity, double error) {
-    if (!(error <= current[quantity].error)) current[quantity].error = error;
-    if (!(error <= worst_of[class_number][quantity].error))
-        worst_of[class_number][quantity] = (worst){error, robot_number};
+    worst *w = &worst_of[class_number][quantity];
+    const double most = larger(w->error, error);
+    of_class[class_number]++;
+    of_quantity[quantity]++;
+    current[quantity].error = larger(current[quantity].error, error);
+    if (most > w->error) *w = (worst){most, robot_number};
 }
 
 /* Relative to the size of what was added; where nothing was, the result must be exactly so. */
@@ -448,6 +453,12 @@ static void hold_row(int quantity, const char *row) {
     }
 }
 
+static void expect_compared(const char *what, long comparisons) {
+    if (comparisons > 0) return;
+    printf("FAIL %s: %s: nothing is compared\n", TEXT(RBD_REAL), what);
+    failures++;
+}
+
 /* Compares with the rows under the heading that names the scalar. */
 static void hold(const char *path) {
     char line[400];
@@ -462,6 +473,8 @@ static void hold(const char *path) {
         }
     }
     if (file) fclose(file);
+    for (int c = 0; c < CLASSES; c++) expect_compared(class_names[c], of_class[c]);
+    for (int k = 0; k < QUANTITIES; k++) expect_compared(quantity_names[k], of_quantity[k]);
     if (rows != QUANTITIES) {
         printf("FAIL %s: %d rows for " TEXT(RBD_REAL) " instead of %d\n", path, rows, (int)QUANTITIES);
         failures++;
@@ -516,5 +529,5 @@ int main(int argc, char **argv) {
     else
         print_worst();
     if (document) hold(document);
-    return failures > 0;
+    return failures > 0 || robots_done == 0;
 }

@@ -16,6 +16,7 @@
    of the articulated bodies is. Exit status 1 after a miss of an exactly singular system, more than four in
    10,000 near or slid ones, a regular one that is refused in double, more than five in 1000 in float, and a
    chain that is refused or wrong. SPDX-License-Identifier: MIT */
+#include "../larger.h"
 #include "pivots.h"
 #include "textbook.h"
 
@@ -245,8 +246,8 @@ static double error_of(const double *a, const double *right, int n) {
     double error = 0, largest = 0;
     for (int i = 0; i < n; i++) {
         if (!isfinite(a[i]) || !isfinite(right[i])) return HUGE_VAL;
-        error = fmax(error, fabs(a[i] - right[i]));
-        largest = fmax(largest, fabs(right[i]));
+        error = larger(error, fabs(a[i] - right[i]));
+        largest = larger(largest, fabs(right[i]));
     }
     return largest > 0 ? error / largest : error;
 }
@@ -268,7 +269,7 @@ static void count_one(const scalar *f, class c, int cholesky, const pivots_syste
     if (s->kind >= 0) n->of_kind[s->kind][size_of(s)]++;
     if (!refused) {
         const double error = c == SINGULAR ? HUGE_VAL : error_of(a, right, s->nv);
-        n->worst = fmax(n->worst, error);
+        n->worst = larger(n->worst, error);
         n->misses += error > 0.5;
         if (s->kind >= 0) n->missed[s->kind] += error > 0.5;
     } else if (c != SINGULAR) {

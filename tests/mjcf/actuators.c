@@ -17,6 +17,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "../larger.h"
 #include "rbd_actuator.h"
 #include "rbd_contact.h"
 
@@ -66,9 +67,6 @@ static rbd_work *w;
 static rbd_contact_set *set;
 static rbd_actuators *a;
 static int failures;
-
-/* The larger; infinite if x is NaN, which fmax passes over. */
-static double larger(double off, double x) { return x <= off ? off : x > off ? x : HUGE_VAL; }
 
 static void expect(int holds, const char *what, double x, double y) {
     printf("%s: %g, %g%s\n", what, x, y, holds ? "" : ": FAILED");

@@ -1,5 +1,6 @@
 /* compare.c - see compare.h. SPDX-License-Identifier: MIT */
 #include "compare.h"
+#include "../larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -94,15 +95,15 @@ void velocity_matrix(const loaded *r, const double *qpos, int rows, double *T) {
 
 static void note(double *worst, double difference, double scale) {
     const double relative = difference / (scale > 1e-300 ? scale : 1);
-    if (!(relative <= *worst)) *worst = relative; /* NaN counts */
+    *worst = larger(*worst, relative);
 }
 
 /* Compares n numbers, in relation to the largest of both, and at least of `scale`. */
 static void compare_all(double *worst, const double *a, const double *b, int n, double scale) {
     double difference = 0;
     for (int i = 0; i < n; i++) {
-        scale = fmax(scale, fmax(fabs(a[i]), fabs(b[i])));
-        if (!(fabs(a[i] - b[i]) <= difference)) difference = fabs(a[i] - b[i]);
+        scale = larger(scale, larger(fabs(a[i]), fabs(b[i])));
+        difference = larger(difference, fabs(a[i] - b[i]));
     }
     note(worst, difference, scale);
 }
@@ -202,7 +203,7 @@ static void compare_dynamics(const mjModel *m, mjData *d, const loaded *r, state
     rbd_crba(r->model, r->w, s->q, s->M);
     rbd_bias(r->model, r->w, s->q, s->v, NULL, s->bias);
     compare_all(&x->mass, s->M, s->M_of_rbd, nv * nv, 0);
-    for (int i = 0; i < nv; i++) largest = fmax(largest, s->M[i * nv + i]);
+    for (int i = 0; i < nv; i++) largest = larger(largest, s->M[i * nv + i]);
     compare_all(&x->bias, s->bias, s->bias_of_rbd, nv, largest);
 
     rbd_kinematics(r->model, r->w, s->q, s->v, NULL);

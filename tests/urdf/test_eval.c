@@ -12,6 +12,7 @@
 #include "rbd.h"
 
 #include "../reference.h"
+#include "../larger.h"
 
 enum { MAX_OUT = 12000, STATES = 2, MAX_LINE = 400000 };
 
@@ -121,7 +122,7 @@ static int evaluate(const ref_model *model, const ref_state *s, const char *algo
 static void expect(const ref_model *model, const char *what, const double *found, const double *expected,
                    int n, double bound) {
     double scale = 1e-3;
-    for (int i = 0; i < n; i++) scale = fmax(scale, fabs(expected[i]));
+    for (int i = 0; i < n; i++) scale = larger(scale, fabs(expected[i]));
     for (int i = 0; i < n; i++)
         ck_assert_msg(fabs(found[i] - expected[i]) <= bound * scale, "%s, %s, number %d: %.17g, not %.17g",
                       model->name, what, i, found[i], expected[i]);

@@ -17,6 +17,7 @@
 #include "models/iiwa.h"
 #include "models/pendulum.h"
 
+#include "../larger.h"
 #include "comma_locale.h"
 
 enum { MAX_NB = 60, MAX_FRAMES = 60, MAX_NAMES = 10000, MAX_WARNINGS = 40, MAX_NV = 64 };
@@ -111,7 +112,7 @@ static results compute(const rbd_body *bodies, int nb, uint64_t seed) {
 
 static void expect_close(const char *what, const double *x, const double *y, int n, double bound) {
     double scale = 1e-3;
-    for (int i = 0; i < n; i++) scale = fmax(scale, fabs(y[i]));
+    for (int i = 0; i < n; i++) scale = larger(scale, fabs(y[i]));
     for (int i = 0; i < n; i++)
         ck_assert_msg(fabs(x[i] - y[i]) <= bound * scale, "%s[%d]: %.17g, not %.17g", what, i, x[i], y[i]);
 }
