@@ -253,6 +253,19 @@ static const known answers[] = {
      RBD_QP_OK,
      {1, 3, 1},
      {-3}},
+    {"a row of one block of H",
+     3,
+     0,
+     1,
+     {2, 0, 0, 0, 2, 1, 0, 1, 2},
+     {0, 0, 0},
+     {1, 0, 0},
+     {1},
+     {1},
+     {0},
+     RBD_QP_OK,
+     {1, 0, 0},
+     {-2}},
     {"any point will do", 2, 0, 1, {0}, {0, 0}, {1, 1}, {2}, {INF}, {0}, RBD_QP_OK, {1, 1}, {0}},
     {"without rows", 2, 0, 0, {2, 1, 1, 2}, {-3, -3}, {0}, {0}, {0}, {0}, RBD_QP_OK, {1, 1}, {0}},
 };
@@ -785,6 +798,23 @@ START_TEST(a_slight_asymmetry_is_rounding) {
         f[0] = f[1] = 1;
         ck_assert_int_eq(solve(&p), k < 2 ? RBD_QP_OK : RBD_QP_SYMMETRIC);
         if (k >= 2) ck_assert(result.at == 1 && !strcmp(result.field, "H"));
+    }
+}
+END_TEST
+
+/* The row that is missed most joins first: here no other is missed then. */
+START_TEST(the_row_that_is_missed_most_joins) {
+    const rbd_qp_problem p = problem_of(1, 0, 3);
+    H[0] = 1;
+    f[0] = 0;
+    for (int most = 0; most < 3; most++) {
+        for (int row = 0; row < 3; row++) {
+            C[row] = 1;
+            lower[row] = row == most ? 2 : 1;
+            upper[row] = NONE;
+        }
+        ck_assert_int_eq(solve(&p), RBD_QP_OK);
+        ck_assert(result.steps == 1 && side[most] == -1 && fabs((double)x[0] - 2) < tight);
     }
 }
 END_TEST
@@ -1349,6 +1379,7 @@ int main(void) {
     tcase_add_test(c, not_a_number_is_named);
     tcase_add_test(c, slips_are_named);
     tcase_add_test(c, a_slight_asymmetry_is_rounding);
+    tcase_add_test(c, the_row_that_is_missed_most_joins);
     tcase_add_test(c, steps_and_rounds_are_bounded);
     tcase_add_test(c, slight_contradictions_are_inaccurate);
     tcase_add_test(c, rows_that_meet_within_reach_contradict_nothing);
