@@ -874,8 +874,8 @@ START_TEST(slight_contradictions_are_inaccurate) {
 END_TEST
 
 /* Without a value to lower, x is the nearest place to 0, to rounding. */
-/* x0 >= gap and x0 + angle x1 <= 0 meet at x1 = -gap / angle, which is nearer than the optimum without rows. The
-   rows are too nearly parallel to be solved; but that is no contradiction. */
+/* x0 >= gap and x0 + angle x1 <= 0 meet at x1 = -gap / angle, which is nearer than the optimum without rows.
+   The rows are too nearly parallel to be solved; but that is no contradiction. */
 START_TEST(rows_that_meet_within_reach_contradict_nothing) {
     const rbd_qp_problem p = problem_of(2, 0, 2);
     const double angle = (double)RBDI_QP_DEPENDENT / 2, far = 1e4, gap = angle * far / 5;
