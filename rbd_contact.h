@@ -471,7 +471,8 @@ struct rbd_contact_set {
     int max_rows;            /* rows at most */
     int contacts;            /* that are rows of the step */
     int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
-    int differ;              /* whether `nu` and `moved` differ */
+    int differ;              /* whether biases of positions and velocities differ */
+    int jams;                /* whether positions have no solution, and `moved` is `nu` */
     rbdi_contact *contact;   /* n */
     rbdi_limit_row *limit;   /* limits */
     rbdi_bounded_row *bound; /* bounds */
@@ -547,7 +548,9 @@ RBDI_CODE_BEGIN
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. Ten
    times more is an error that random trees see; a tenth is near rounding, and no test sees it: tried.
    RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten
-   times more or less all tests pass as well: tried. */
+   times more or less all tests pass as well: tried.
+   RBDI_JAMS: positions whose residual exceeds this share of the corrections have no solution. It is all of
+   them where a contact jams. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
@@ -568,6 +571,7 @@ RBDI_CODE_BEGIN
 
 #define RBDI_ROOT_STEPS 60 /* for the root of one contact, six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9)
+#define RBDI_JAMS RBD_C(0.99)
 #define RBDI_MOST_SWEEPS 32 /* between two Newton steps */
 
 /* ==== src/contact/one_contact.h ==== */
@@ -2326,29 +2330,31 @@ RBDI_LOCAL rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int r
     return x;
 }
 
-/* c->b = J nu_0 + bias of a row, where J nu_0 = -s->b. Returns whether it changes. */
-RBDI_INLINE int rbdi_write_bias(rbd_contact_set *c, int row, rbd_real bias) {
+/* c->b = J nu_0 + bias of a row, where J nu_0 = -s->b. Returns the larger of `most` and the change. */
+RBDI_INLINE rbd_real rbdi_write_bias(rbd_contact_set *c, int row, rbd_real bias, rbd_real most) {
     const rbd_real before = c->b[row];
+    rbd_real change;
     c->b[row] = bias - c->rows->b[row];
-    return c->b[row] < before || c->b[row] > before;
+    change = rbdi_abs(c->b[row] - before);
+    return change > most ? change : most;
 }
 
-/* Writes c->b of all rows. Returns whether it changes. */
-RBDI_LOCAL int rbdi_write_biases(rbd_contact_set *c, int purpose) {
+/* Writes c->b of all rows. Returns by how much it changes at most. */
+RBDI_LOCAL rbd_real rbdi_write_biases(rbd_contact_set *c, int purpose) {
     const rbd_constraint_set *s = c->rows;
-    int changed = 0;
+    rbd_real most = rbdi_zero();
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
         if (contact->row >= 0)
-            changed |= rbdi_write_bias(c, contact->row + 2, rbdi_contact_bias(c, purpose, contact).value);
+            most = rbdi_write_bias(c, contact->row + 2, rbdi_contact_bias(c, purpose, contact).value, most);
     for (const rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; ++con)
         for (int r = con->row; r < con->row + con->rows; ++r)
-            changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, r).value);
+            most = rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, r).value, most);
     for (const rbdi_limit_row *limit = c->limit; limit < c->limit + c->limits; ++limit)
         if (limit->row >= 0)
-            changed |= rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value);
+            most = rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value, most);
     for (const rbdi_bounded_row *row = c->bound; row < c->bound + c->bounds; ++row)
-        if (row->row >= 0) changed |= rbdi_write_bias(c, row->row, row->law.bias + row->turn);
-    return changed;
+        if (row->row >= 0) most = rbdi_write_bias(c, row->row, row->law.bias + row->turn, most);
+    return most;
 }
 
 /* ==== src/contact/reduction.h ==== */
@@ -2704,7 +2710,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
     for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
-    changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS) > 0;
     if (changed || !(first.residual <= c->solver.given.tolerance)) {
         rbdi_contact_iterate(&c->solver);
         c->solver.solution.sweeps += first.sweeps;
@@ -2762,18 +2768,26 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
    penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
-   may be huge: then those of rbdi_solve_first are the better beginning. */
+   may be huge: then those of rbdi_solve_first are the better beginning. A contact that jams, because
+   friction presses it into the plane, cannot be lifted: what is left of the laws is as much as the
+   corrections ask for. Then positions move by c->nu too, without corrections, or the contact would creep
+   through the plane. */
 RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
+    rbd_real asked;
     int finite = rbdi_all_finite(c->b, c->rows->rows) && rbdi_all_finite(c->q_mid, m->nq);
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
-    c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
+    asked = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
+    c->differ = asked > 0;
+    c->jams = 0;
     if (c->differ) {
         const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
         for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
+        c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
+        for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
         c->solver.solution.sweeps += first.sweeps;
         c->solver.solution.newton_steps += first.newton_steps;
@@ -3243,7 +3257,7 @@ RBDI_LOCAL int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, r
                                        const rbd_real *tau, const rbd_real *f_ext,
                                        const rbdi_step_columns *to, rbd_status *status) {
     const int first_order = !(c->half > 0);
-    int solved = 1;
+    int solved = 1, positions, velocities;
     rbdi_differentiate_falls(m, c, d, f_ext, to->dq);
     rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
     rbdi_write_rho(m, c, d, c->moved, f_ext, NULL, to->dq);
@@ -3253,14 +3267,18 @@ RBDI_LOCAL int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, r
     }
 
     rbdi_copy_columns(m, to->dq, to->dv);
-    solved &= rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
+    positions = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
     *status = rbdi_solve_velocities(m, c);
     if (!c->differ) {
         rbdi_copy_columns(m, to->dq, to->dv);
-        return solved;
+        return solved & positions;
     }
     if (to->dv[0]) rbdi_write_sides(m, c, d, c->nu, f_ext, rbdi_side(m, c, 2), NULL, NULL);
-    return solved & rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
+    velocities = rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
+    if (!c->jams) return solved & positions & velocities;
+
+    rbdi_copy_columns(m, to->dv, to->dq);
+    return solved & velocities;
 }
 
 RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,

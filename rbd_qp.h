@@ -1488,19 +1488,13 @@ RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
 }
 
 /* Component i of H x, and of |H| |x|: with the sums of all of the row, for its ends are multiples of four. */
-RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
+RBDI_PART rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
     const int from = s->first[i] / 4 * 4;
-    if (i >= s->coupled) return s->given.H[i * (s->n + 1)] * x[i];
-    return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);
-}
-RBDI_ONCE rbd_real rbdi_qp_h_times_and_terms(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
-    const int from = s->first[i] / 4 * 4;
-    if (i >= s->coupled) {
-        const rbd_real h = rbdi_qp_h_times(s, i, x);
-        *terms = rbdi_qp_abs(h);
-        return h;
-    }
-    return rbdi_qp_dot_and_terms(s->given.H + i * s->n + from, x + from, s->last[i] - from, terms);
+    const rbd_real *h = s->given.H + i * s->n;
+
+    if (i < s->coupled) return rbdi_qp_dot_and_terms(h + from, x + from, s->last[i] - from, terms);
+    *terms = rbdi_qp_abs(h[i] * x[i]);
+    return h[i] * x[i];
 }
 
 /* L L' = H + rho 1. Returns the first variable whose pivot is too small, or n. */
@@ -1552,6 +1546,22 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to
     }
 }
 
+/* t := L'^-1 t, where t is 0 from `to` on. */
+RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, RBDI_T *t, int to) {
+    int i = to - 1, at = rbdi_qp_pivot(i);
+
+    for (; i >= s->coupled; --i) {
+        t[i] = s->L[at] * t[i];
+        at = at - i - 1;
+    }
+    for (; i >= 0; --i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i];
+        t[i] = l[i] * t[i];
+        if (k < i) rbdi_qp_add(-t[i], l + k, t + k, i - k);
+    }
+}
+
 /* t := (1 - beta v v') t, of reflection e. */
 RBDI_PART void rbdi_qp_reflect(const rbdi_qp *s, int e, RBDI_T *t) {
     const rbd_real *v = s->V + e * s->n + e;
@@ -1597,6 +1607,7 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
 #define rbdi_qp_add rbdi_qp_group_add
 #define rbdi_qp_adds rbdi_qp_group_adds
 #define rbdi_qp_solve_lower rbdi_qp_group_solve_lower
+#define rbdi_qp_solve_upper rbdi_qp_group_solve_upper
 #define rbdi_qp_reflect rbdi_qp_group_reflect
 #define rbdi_qp_reflect_two rbdi_qp_group_reflect_two
 #define rbdi_qp_reflect_back rbdi_qp_group_reflect_back
@@ -1614,6 +1625,22 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to
     for (; i < to; ++i) {
         t[i] = t[i] * s->L[at];
         at = at + i + 2;
+    }
+}
+
+/* t := L'^-1 t, where t is 0 from `to` on. */
+RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, RBDI_T *t, int to) {
+    int i = to - 1, at = rbdi_qp_pivot(i);
+
+    for (; i >= s->coupled; --i) {
+        t[i] = s->L[at] * t[i];
+        at = at - i - 1;
+    }
+    for (; i >= 0; --i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i];
+        t[i] = l[i] * t[i];
+        if (k < i) rbdi_qp_add(-t[i], l + k, t + k, i - k);
     }
 }
 
@@ -1659,6 +1686,7 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
 #undef rbdi_qp_add
 #undef rbdi_qp_adds
 #undef rbdi_qp_solve_lower
+#undef rbdi_qp_solve_upper
 #undef rbdi_qp_reflect
 #undef rbdi_qp_reflect_two
 #undef rbdi_qp_reflect_back
@@ -1666,25 +1694,8 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
 #define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
 #define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
 #define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
-#define rbdi_qp_group_add rbdi_qp_add
+#define rbdi_qp_group_solve_upper rbdi_qp_solve_upper
 #endif
-
-/* t := L'^-1 t */
-RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
-    int i = s->n - 1, at = rbdi_qp_pivot(i);
-
-    for (; i >= s->coupled; --i) {
-        t[i] = t[i] * s->L[at];
-        at = at - i - 1;
-    }
-    for (; i >= 0; --i) {
-        const rbd_real *l = s->L + i * (i + 1) / 2;
-        const int k = s->first[i];
-        if (t[i] == 0) continue;
-        t[i] = t[i] * l[i];
-        rbdi_qp_add(-t[i], l + k, t + k, i - k);
-    }
-}
 
 /* t := L^-1 row' */
 RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
@@ -1696,10 +1707,17 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
     rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4, s->to[row]);
 }
 
-/* t := Q't, of the first k reflections, two at a time */
-RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, int k, rbd_real *t) {
+/* t := Q'L^-1 t, of the first k reflections, two at a time */
+RBDI_PART void rbdi_qp_forth(const rbdi_qp *s, int k, rbd_real *t) {
+    rbdi_qp_solve_lower(s, t, 0, s->n);
     for (int e = 0; e + 1 < k; e += 2) rbdi_qp_reflect_two(s, e, 0, t);
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
+}
+
+/* t := L'^-1 Q t, of the first k reflections */
+RBDI_PART void rbdi_qp_back(const rbdi_qp *s, int k, rbd_real *t) {
+    rbdi_qp_reflect_back(s, k, t);
+    rbdi_qp_solve_upper(s, t, s->n);
 }
 
 /* Reflection e = s->reflections of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
@@ -1796,22 +1814,6 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     if (lanes) rbdi_qp_eliminate(s, rows, lanes);
 }
 
-/* t := L'^-1 t of a group, which is 0 behind component `to`. */
-RBDI_PART void rbdi_qp_group_solve_upper(const rbdi_qp *s, rbdi_qp_group *t, int to) {
-    int i = to - 1, at = rbdi_qp_pivot(i);
-
-    for (; i >= s->coupled; --i) {
-        t[i] = s->L[at] * t[i];
-        at = at - i - 1;
-    }
-    for (; i >= 0; --i) {
-        const rbd_real *l = s->L + i * (i + 1) / 2;
-        const int k = s->first[i];
-        t[i] = l[i] * t[i];
-        if (k < i) rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
-    }
-}
-
 /* R of the rows of the guess: their reflections' diagonals, and what stands above. */
 RBDI_PART void rbdi_qp_take_guess(rbdi_qp *s) {
     const int k = s->equalities;
@@ -1857,8 +1859,7 @@ RBDI_PART void rbdi_qp_project(const rbdi_qp *s, rbd_real *y, rbd_real *d) {
         for (int j = 0; j < s->columns; ++j) d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), y, s->n);
         return;
     }
-    rbdi_qp_solve_lower(s, y, 0, s->n);
-    rbdi_qp_reflect_all(s, s->reflections, y);
+    rbdi_qp_forth(s, s->reflections, y);
     rbdi_qp_copy(y + s->equalities, d, s->columns);
 }
 
@@ -1870,8 +1871,7 @@ RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int from, int to, const rbd
     if (!s->J) {
         rbdi_qp_clear(s->t, s->n);
         rbdi_qp_copy(d + from, s->t + s->equalities + from, to - from);
-        rbdi_qp_reflect_back(s, s->reflections, s->t);
-        rbdi_qp_solve_upper(s, s->t);
+        rbdi_qp_back(s, s->reflections, s->t);
         rbdi_qp_add(1, s->t, y, s->n);
         return;
     }
@@ -1888,16 +1888,14 @@ RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, int further, rbd_real *
         if (further) b = b - s->value[row];
         t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
-    rbdi_qp_reflect_back(s, s->equalities, t);
-    rbdi_qp_solve_upper(s, t);
+    rbdi_qp_back(s, s->equalities, t);
 }
 
 /* Multipliers u_equal of the equalities that balance y best; y += A' u_equal. t: scratch, n. */
 RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
     if (!s->equalities) return;
     rbdi_qp_copy(y, t, s->n);
-    rbdi_qp_solve_lower(s, t, 0, s->n);
-    rbdi_qp_reflect_all(s, s->equalities, t);
+    rbdi_qp_forth(s, s->equalities, t);
 
     /* R u = -t */
     for (int e = s->equalities - 1; e >= 0; --e) {
@@ -1999,14 +1997,12 @@ RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
 
     const rbd_real length = rbdi_sqrt(square);
     const rbd_real scale = 1 / (length * (length + rbdi_qp_abs(slack[last])));
-    rbd_real along = 0;
 
     slack[last] = slack[last] + (slack[last] > 0 ? length : -length);
+    const rbd_real along = rbdi_qp_dot(slack + q, s->d + q, last + 1 - q);
+
     rbdi_qp_clear(s->z, n);
-    for (int j = q; j <= last; ++j) {
-        rbdi_qp_add(slack[j], rbdi_qp_j(s, j), s->z, n);
-        along = along + slack[j] * s->d[j];
-    }
+    rbdi_qp_add_columns(s, q, last + 1, slack, s->z);
     for (int j = q; j < last; ++j) {
         rbdi_qp_add(-scale * slack[j], s->z, rbdi_qp_j(s, j), n);
         s->d[j] = s->d[j] - scale * along * slack[j];
@@ -2181,11 +2177,12 @@ RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, rbd_real accuracy, rbdi_
     return 1;
 }
 
-/* Values at x of the watched rows that are not active: those of the others come with the residuals. */
-RBDI_PART void rbdi_qp_evaluate(rbdi_qp *s, const rbd_real *x) {
+/* Values at x of the watched rows; without `all` of those that are not active, for those of the others come
+   with the residuals. */
+RBDI_PART void rbdi_qp_evaluate(rbdi_qp *s, const rbd_real *x, int all) {
     for (int i = 0; i < s->watches; ++i) {
         const int row = s->watched[i];
-        if (!s->side[row]) s->value[row] = rbdi_qp_row_times(s, row, x);
+        if (all || !s->side[row]) s->value[row] = rbdi_qp_row_times(s, row, x);
     }
 }
 
@@ -2313,7 +2310,7 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
 
     for (int k = 0; k < s->n; ++k) {
         const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
+        y[k] = rbdi_qp_h_times(s, k, x, &terms) + f;
         largest = rbdi_qp_larger(largest, rbdi_qp_abs(f) + terms);
     }
     return largest;
@@ -2419,8 +2416,7 @@ RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
 /* x0: optimum on the equalities alone. */
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
-    rbdi_qp_solve_lower(s, s->x0, 0, s->n);
-    rbdi_qp_reflect_all(s, s->equalities, s->x0);
+    rbdi_qp_forth(s, s->equalities, s->x0);
     rbdi_qp_onto_equalities(s, 0, s->x0);
 }
 
@@ -2491,7 +2487,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_push(s);
     rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
-    rbdi_qp_evaluate(s, x);
+    rbdi_qp_evaluate(s, x, 0);
 
     for (;;) {
         rbd_qp_status status;
@@ -2507,7 +2503,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
                 refined = 0;
                 moved = 1;
             }
-            if (moved) rbdi_qp_evaluate(s, x);
+            if (moved) rbdi_qp_evaluate(s, x, 0);
             /* x is exact now: less of what has cancelled before still counts. */
             rbdi_qp_clear(s->reach, s->n);
             rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
@@ -2520,7 +2516,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         }
         status = rbdi_qp_take_in(s, x, *miss);
         rbdi_qp_reached(s, x);
-        rbdi_qp_evaluate(s, x);
+        rbdi_qp_evaluate(s, x, 0);
         refined = 0;
         if (status == RBD_QP_INFEASIBLE && !rbdi_qp_proven(s, *miss)) {
             if (s->accuracy > RBDI_QP_HOPELESS) return RBD_QP_INACCURATE;
@@ -2536,7 +2532,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
 /* z = x, or x - from; whether the value falls on this way, and H does not bend it, but for rounding. */
 RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *from) {
-    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
+    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding, terms;
 
     for (int k = 0; k < s->n; ++k) {
         s->z[k] = from ? x[k] - from[k] : x[k];
@@ -2545,7 +2541,7 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *fr
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
-        curvature = rbdi_qp_larger(curvature, rbdi_qp_abs(rbdi_qp_h_times(s, k, s->z)));
+        curvature = rbdi_qp_larger(curvature, rbdi_qp_abs(rbdi_qp_h_times(s, k, s->z, &terms)));
     rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
     return down < 0 && curvature <= rounding;
 }
@@ -2812,7 +2808,7 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
 /* result.dual and s->balance of x and lambda, whatever they came from. */
 RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real size = rbdi_qp_gradient(s, x, s->t), push = 0;
-    if (!(size > 0)) size = s->rho * rbdi_qp_largest(s->reach, s->n); /* multipliers are rounding of this */
+    if (!(size > 0)) size = s->rho * s->reach[0]; /* multipliers are rounding of this */
 
     for (int row = 0; row < s->all; ++row) {
         if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
@@ -2829,7 +2825,7 @@ RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_r
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real *lambda) {
     const int as_refined = rbdi_qp_multipliers(s, lambda) && ended && !(s->rho > 0);
 
-    for (int row = 0; row < s->all && !ended; ++row) s->value[row] = rbdi_qp_row_times(s, row, x);
+    if (!ended) rbdi_qp_evaluate(s, x, 1);
     rbdi_qp_verify_rows(s, x, lambda);
     if (!as_refined) rbdi_qp_verify_optimum(s, x, lambda);
 }
@@ -2898,8 +2894,7 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
     return status;
 }
 
-/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. shape: NULL if
-   nothing is known. */
+/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. */
 RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
                                       const rbd_qp_options *options, const rbdi_qp_shape *shape, void *memory,
                                       size_t size, rbd_real *x, rbd_real *lambda, signed char *side) {
@@ -2913,12 +2908,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     if (!problem || !memory || !x) return RBD_QP_NULL;
     s->given = *problem;
     s->options = options ? *options : defaults;
-    s->shape.symmetric = 0;
-    s->shape.coupled = problem->n;
-    s->shape.heads = 0;
-    s->shape.tails = 0;
-    s->shape.rest = 0;
-    if (shape) s->shape = *shape;
+    s->shape = *shape;
     s->side = side;
     s->lambda = lambda;
     s->soft = 0;
@@ -2951,8 +2941,9 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
 RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
                                     void *memory, size_t size, rbd_real *x, rbd_real *lambda,
                                     signed char *side, rbd_qp_result *result) {
+    const rbdi_qp_shape any = {0, problem ? problem->n : 0, 0, 0, 0};
     rbdi_qp s;
-    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, NULL, memory, size, x, lambda, side);
+    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, &any, memory, size, x, lambda, side);
     if (result) *result = s.result;
     return status;
 }

@@ -31,8 +31,8 @@ static void check(rbd_status status) {
     if (status != RBD_OK) exit((fprintf(stderr, "%s\n", rbd_status_string(status)), EXIT_FAILURE));
 }
 
-/* Every joint swings at a frequency of its own, softly to rest between 2 and 3 s: q as a function of the phase
-   s, whose speed is s1 and acceleration s2. */
+/* Every joint swings at a frequency of its own, softly to rest between 2 and 3 s: its phase is f s(t), and s
+   has the speed `rate`, of which `slope` is the slope. */
 static void motion(double t, double q[NV], double v[NV], double a[NV]) {
     const double x = t < 2 ? 0 : t > 3 ? 1 : t - 2, rate = t > 3 ? 0 : 1 - x * x * (3 - 2 * x);
     const double s = t < 2 ? t : 2 + x - x * x * x + x * x * x * x / 2, slope = t > 3 ? 0 : -6 * x * (1 - x);

@@ -96,7 +96,7 @@ counted() {
 }
 if command -v valgrind >/dev/null; then
     # shellcheck disable=SC2086
-    ${CC:-cc} -std=c99 -O2 -I"$root" near.c -o near -lm
+    ${CC:-cc} -std=c99 -O1 -Dalways_inline=unused -I"$root" near.c -o near -lm
     for robot in iiwa:6 atlas:6; do
         far=$(counted 0 "${robot%:*}") near=$(counted 6 "${robot%:*}" near)
         echo "${robot%:*}: $far instructions, near a singular state $near"

@@ -48,7 +48,7 @@ cp table.c table.cpp
 
 cc=${CC:-cc} cxx=${CXX:-c++}
 command -v "$cxx" >/dev/null || cxx=
-flags="-Wall -Wextra -pedantic -Werror -O1 -Dalways_inline=unused -I$root"
+flags="-Wall -Wextra -pedantic -Werror -O0 -Dalways_inline=unused -I$root"
 # object COMPILER FILE FLAG...: warnings are errors
 object() {
     compiler=$1 file=$2

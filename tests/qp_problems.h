@@ -137,8 +137,8 @@ static double gradient_share(const rbd_qp_problem *p) {
             sum += term;
             if (p->soft && p->soft[row] > 0) terms += fabs(term);
         }
-        worst = fmax(worst, fabs(sum));
-        largest = fmax(largest, terms);
+        worst = larger(worst, fabs(sum));
+        largest = larger(largest, terms);
     }
     return largest > 0 ? worst / largest : worst;
 }

@@ -74,7 +74,11 @@ void for_random_states(int count, state_check *check);
 /* A part of the random trees, the first of them, is enough under the sanitizers, for coverage, and for ./run
    quick. */
 #ifndef PART_OF_TREES
+#ifdef HALF_OF_TREES /* every day; all of them by ./run test --all */
+#define PART_OF_TREES 2
+#else
 #define PART_OF_TREES 1
+#endif
 #endif
 
 /* How many of n events on all random trees a part of them must have at least: half of its share, for it is no

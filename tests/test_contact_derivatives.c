@@ -634,6 +634,44 @@ static rbd_body rod(void) {
 
 /* Results left out change nothing in the others; without contacts it is rbd_fd_derivatives; zeros that
    rbd_keep_zeros leaves out are written. */
+/* A strut that jams, as in test_contact_step.c: it is not lifted, so positions have no derivatives of their
+   own, and move as velocities do. */
+START_TEST(strut_jams) {
+    const rbd_body body = {.parent = -1,
+                           .type = RBD_REVOLUTE,
+                           .axis = {0, 1, 0},
+                           .position = {0, 0, 1},
+                           .mass = 1,
+                           .com = {0, 0, -0.5},
+                           .inertia = {0.1, 0, 0, 0.1, 0, 0.1}};
+    const double t = 1e-7;
+    double q[3], v[3], by_q, by_v, by_tau, dv_dq, dv_dv, dv_dtau;
+    scene s;
+    open_scene(&s, "strut", &body, 1, 1e-3);
+    s.options.tolerance = 0, s.options.iterations = 0, s.options.slop = 0; /* the defaults */
+    add_contact(&s, 0, -1, 0.2, 0, -1 - 1e-3)->friction = 0.8;
+    begin_scene(&s);
+    s.tau[0] = 20;
+    for (int k = 0; k < 3; k++) {
+        const double at = (k - 1) * t;
+        rbd_contact_reset(s.c);
+        ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, &at, s.v, s.tau, NULL, s.damping, s.h, &q[k], &v[k]),
+                         RBD_OK);
+        ck_assert_double_gt(rbd_contact_last(s.c).residual, 1e-2);
+    }
+
+    const rbd_contact_step_results out = {q, v, &by_q, &by_v, &by_tau, &dv_dq, &dv_dv, &dv_dtau};
+    const double difference = (q[2] - q[0]) / (2 * t);
+    rbd_contact_reset(s.c);
+    ck_assert_int_eq(
+        rbd_contact_step_derivatives(s.r.m, s.c, s.d, s.q, s.v, s.tau, NULL, s.damping, s.h, &out), RBD_OK);
+    ck_assert_double_eq_tol(difference, 1, 1e-6); /* it stays where it is */
+    ck_assert_double_eq_tol(by_q, difference, 1e-6);
+    ck_assert_double_eq_tol(by_tau, 0, 1e-9);
+    close_scene(&s);
+}
+END_TEST
+
 START_TEST(parts_are_as_the_whole) {
     const rbd_body bodies[2] = {box(0.4, 0.3, 0.2, 3), rod()};
     const double rest[MAX_V] = {0}, gravity[3] = {0, 0, -9.81};
@@ -751,6 +789,7 @@ Suite *contact_derivatives_suite(void) {
     tcase_add_test(c, dry_friction_turns_around);
     tcase_add_test(slow, atlas_stands);
     tcase_add_test(slow, random_trees);
+    tcase_add_test(c, strut_jams);
     tcase_add_test(c, parts_are_as_the_whole);
     tcase_add_test(c, bad_calls_are_refused);
     return suite;

@@ -618,6 +618,33 @@ START_TEST(painleves_rod_jams) {
 END_TEST
 
 /* A loop, held together with contacts: two rods on hinges, joined at their ends, on a box that slides. */
+/* A strut leans by 0.2 on its hinge 1 m above the ground, and its foot slides towards the place below.
+   Friction above 0.2 presses it into the ground: no impulse lifts it. Its depth stays, and does not grow. */
+START_TEST(strut_that_jams_does_not_sink) {
+    for (int k = 0; k < 2; k++) {
+        const rbd_body body = {.parent = -1,
+                               .type = RBD_REVOLUTE,
+                               .axis = {0, 1, 0},
+                               .position = {0, 0, 1},
+                               .mass = 1,
+                               .com = {0, 0, -0.5},
+                               .inertia = {0.1, 0, 0, 0.1, 0, 0.1}};
+        const double deep = 1e-4, lean = 0.2;
+        scene s;
+        double gap;
+        open_scene(&s, "strut", &body, 1, k ? 5e-3 : 1e-3);
+        s.options.tolerance = 0, s.options.iterations = 0; /* the defaults */
+        add_contact(&s, 0, -1, lean, 0, -1 - deep)->friction = 0.8;
+        begin_scene(&s);
+        s.tau[0] = 20; /* towards the place below the hinge */
+        for (int i = 0; i < 3000; i++) step(&s);
+        rbd_contact_get(s.c, 0, &gap, NULL);
+        ck_assert_msg(gap >= -1.01 * deep && fabs(s.v[0]) < 1e-9, "gap %g, speed %g", gap, s.v[0]);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 START_TEST(held_constraints_stay_closed) {
     rbd_body body[3] = {box(0.4, 0.3, 0.2, 3), rod(), rod()};
     scene s;
@@ -1564,6 +1591,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(slow, thrown_box_comes_to_rest);
     tcase_add_test(c, stack_carries_its_weight);
     tcase_add_test(c, painleves_rod_jams);
+    tcase_add_test(c, strut_that_jams_does_not_sink);
     tcase_add_test(c, held_constraints_stay_closed);
     tcase_add_test(c, held_rows_that_nothing_moves_are_idle);
     tcase_add_test(slow, hyq_drops_stands_and_trots);

@@ -18,21 +18,32 @@ done
 mkdir "$scratch/include"
 echo 'double sqrt(double); float sqrtf(float); double sin(double); double cos(double);' >"$scratch/include/math.h"
 
-# compiles WHAT COMPILER...: each header by it, with each scalar, and as static functions
+{
+    echo '#define RBD_IMPLEMENTATION'
+    sed 's/.*/#include "&"/' "$root/src/headers.txt"
+} >"$scratch/all.c"
+
+# check WHAT COMPILER... FILE: without a message
+check() {
+    what=$1
+    shift
+    checks=$((checks + 1))
+    # shellcheck disable=SC2086 # flags
+    "$@" $strict -Dalways_inline=unused -I"$root" 2>"$scratch/err" && return
+    failed=$((failed + 1))
+    echo "FAILED: $what"
+    head -n 20 "$scratch/err"
+}
+
+# compiles WHAT COMPILER...: each header alone by it, and all in one file with each scalar, and as static functions
 compiles() {
     what=$1
     shift
     while read -r header; do
-        for macro in RBD_REAL=double RBD_REAL=float RBD_STATIC; do
-            printf '#define RBD_IMPLEMENTATION\n#include "%s"\n' "$header" >"$scratch/file.c"
-            checks=$((checks + 1))
-            # shellcheck disable=SC2086 # flags
-            "$@" $strict -Dalways_inline=unused "-D$macro" -I"$root" "$scratch/file.c" 2>"$scratch/err" && continue
-            failed=$((failed + 1))
-            echo "FAILED: $header, $macro, $what"
-            head -n 20 "$scratch/err"
-        done
+        printf '#define RBD_IMPLEMENTATION\n#include "%s"\n' "$header" >"$scratch/file.c"
+        check "$header, $what" "$@" "$scratch/file.c"
     done <"$root/src/headers.txt"
+    for macro in RBD_REAL=float RBD_STATIC; do check "all headers, $macro, $what" "$@" "-D$macro" "$scratch/all.c"; done
 }
 
 if [ -n "$clang" ]; then

@@ -10,7 +10,7 @@ urdf=$root/models/double_pendulum.urdf
 
 "$codegen" "$urdf" --name robot --cuda --scalar float --algorithm id,minv,fd,id_derivatives --output "$scratch"
 "$codegen" "$urdf" --name robot_ref --algorithm id,minv,fd,id_derivatives,fd_derivatives --output "$scratch"
-${CC:-cc} -O1 -c "$scratch/robot_ref_code.c" -o "$scratch/reference.o"
+${CC:-cc} -O0 -c "$scratch/robot_ref_code.c" -o "$scratch/reference.o"
 
 # program NAME SOURCE[:ALGORITHM]...
 program() {
@@ -18,7 +18,7 @@ program() {
     shift
     objects=
     for part in "$@"; do
-        ${CXX:-c++} -x c++ -std=c++17 -O1 -Wall -Wextra -Werror -DROBOT=robot -DSCALAR=float -DALGORITHM="${part#*:}" -DWITH_ROWS \
+        ${CXX:-c++} -x c++ -std=c++17 -O0 -Wall -Wextra -Werror -DROBOT=robot -DSCALAR=float -DALGORITHM="${part#*:}" -DWITH_ROWS \
             -DWITH_COLUMNS -DCODE_HEADER='"robot_code.cuh"' -DREFERENCE_HEADER='"robot_ref_code.h"' -I"$root/bench/gpu" \
             -I"$scratch" -c "$root/bench/gpu/${part%:*}.cu" -o "$scratch/$part.o"
         objects="$objects $scratch/$part.o"

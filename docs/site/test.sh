@@ -59,7 +59,7 @@ gpu) # the C++ of the guide to GPUs, as a C++ compiler sees it: kernels are loop
         [ -s "$scratch/guide_$number.h" ]
     done
     # shellcheck disable=SC2086 # CXX may be "ccache c++"
-    ${CXX:-c++} -std=c++11 -Og -Dalways_inline=unused -Wall -Wextra -Werror -Wno-unused-parameter -I. -I"$scratch" \
+    ${CXX:-c++} -std=c++11 -O0 -Dalways_inline=unused -Wall -Wextra -Werror -Wno-unused-parameter -I. -I"$scratch" \
         docs/site/gpu_guide.cpp -o "$scratch/program"
     "$scratch/program"
     ;;

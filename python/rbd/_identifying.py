@@ -11,6 +11,7 @@ import csv
 import math
 import sys
 import xml.etree.ElementTree as ET
+from html import escape
 from pathlib import Path
 
 import numpy as np
@@ -95,7 +96,7 @@ def write_picture(path, joints, measured, before, after):
     for i, joint in enumerate(joints):
         size = max(np.abs(measured[:, i] - before[:, i]).max(), np.abs(measured[:, i] - after[:, i]).max(), 1e-9)
         middle = 30 + height * (i + 0.5)
-        lines.append(f'<text x="4" y="{middle:.0f}">{joint}</text><text x="4" y="{middle + 15:.0f}" '
+        lines.append(f'<text x="4" y="{middle:.0f}">{escape(joint)}</text><text x="4" y="{middle + 15:.0f}" '
                      f'fill="#666">+- {size:.3g}</text>')
         for torques, colour in ((before, "#aaa"), (after, "#c00")):
             rest = (measured[::step, i] - torques[::step, i]) / size * height * 0.45

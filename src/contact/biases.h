@@ -152,29 +152,31 @@ RBDI_LOCAL rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int r
     return x;
 }
 
-/* c->b = J nu_0 + bias of a row, where J nu_0 = -s->b. Returns whether it changes. */
-RBDI_INLINE int rbdi_write_bias(rbd_contact_set *c, int row, rbd_real bias) {
+/* c->b = J nu_0 + bias of a row, where J nu_0 = -s->b. Returns the larger of `most` and the change. */
+RBDI_INLINE rbd_real rbdi_write_bias(rbd_contact_set *c, int row, rbd_real bias, rbd_real most) {
     const rbd_real before = c->b[row];
+    rbd_real change;
     c->b[row] = bias - c->rows->b[row];
-    return c->b[row] < before || c->b[row] > before;
+    change = rbdi_abs(c->b[row] - before);
+    return change > most ? change : most;
 }
 
-/* Writes c->b of all rows. Returns whether it changes. */
-RBDI_LOCAL int rbdi_write_biases(rbd_contact_set *c, int purpose) {
+/* Writes c->b of all rows. Returns by how much it changes at most. */
+RBDI_LOCAL rbd_real rbdi_write_biases(rbd_contact_set *c, int purpose) {
     const rbd_constraint_set *s = c->rows;
-    int changed = 0;
+    rbd_real most = rbdi_zero();
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
         if (contact->row >= 0)
-            changed |= rbdi_write_bias(c, contact->row + 2, rbdi_contact_bias(c, purpose, contact).value);
+            most = rbdi_write_bias(c, contact->row + 2, rbdi_contact_bias(c, purpose, contact).value, most);
     for (const rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; ++con)
         for (int r = con->row; r < con->row + con->rows; ++r)
-            changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, r).value);
+            most = rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, r).value, most);
     for (const rbdi_limit_row *limit = c->limit; limit < c->limit + c->limits; ++limit)
         if (limit->row >= 0)
-            changed |= rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value);
+            most = rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value, most);
     for (const rbdi_bounded_row *row = c->bound; row < c->bound + c->bounds; ++row)
-        if (row->row >= 0) changed |= rbdi_write_bias(c, row->row, row->law.bias + row->turn);
-    return changed;
+        if (row->row >= 0) most = rbdi_write_bias(c, row->row, row->law.bias + row->turn, most);
+    return most;
 }
 
 #endif

@@ -381,7 +381,7 @@ RBDI_LOCAL int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, r
                                        const rbd_real *tau, const rbd_real *f_ext,
                                        const rbdi_step_columns *to, rbd_status *status) {
     const int first_order = !(c->half > 0);
-    int solved = 1;
+    int solved = 1, positions, velocities;
     rbdi_differentiate_falls(m, c, d, f_ext, to->dq);
     rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
     rbdi_write_rho(m, c, d, c->moved, f_ext, NULL, to->dq);
@@ -391,14 +391,18 @@ RBDI_LOCAL int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, r
     }
 
     rbdi_copy_columns(m, to->dq, to->dv);
-    solved &= rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
+    positions = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
     *status = rbdi_solve_velocities(m, c);
     if (!c->differ) {
         rbdi_copy_columns(m, to->dq, to->dv);
-        return solved;
+        return solved & positions;
     }
     if (to->dv[0]) rbdi_write_sides(m, c, d, c->nu, f_ext, rbdi_side(m, c, 2), NULL, NULL);
-    return solved & rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
+    velocities = rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
+    if (!c->jams) return solved & positions & velocities;
+
+    rbdi_copy_columns(m, to->dv, to->dq);
+    return solved & velocities;
 }
 
 RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,

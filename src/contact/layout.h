@@ -107,7 +107,8 @@ struct rbd_contact_set {
     int max_rows;            /* rows at most */
     int contacts;            /* that are rows of the step */
     int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
-    int differ;              /* whether `nu` and `moved` differ */
+    int differ;              /* whether biases of positions and velocities differ */
+    int jams;                /* whether positions have no solution, and `moved` is `nu` */
     rbdi_contact *contact;   /* n */
     rbdi_limit_row *limit;   /* limits */
     rbdi_bounded_row *bound; /* bounds */

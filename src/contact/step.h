@@ -169,7 +169,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
     for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
-    changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS) > 0;
     if (changed || !(first.residual <= c->solver.given.tolerance)) {
         rbdi_contact_iterate(&c->solver);
         c->solver.solution.sweeps += first.sweeps;
@@ -227,18 +227,26 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
    penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
-   may be huge: then those of rbdi_solve_first are the better beginning. */
+   may be huge: then those of rbdi_solve_first are the better beginning. A contact that jams, because
+   friction presses it into the plane, cannot be lifted: what is left of the laws is as much as the
+   corrections ask for. Then positions move by c->nu too, without corrections, or the contact would creep
+   through the plane. */
 RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
+    rbd_real asked;
     int finite = rbdi_all_finite(c->b, c->rows->rows) && rbdi_all_finite(c->q_mid, m->nq);
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
-    c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
+    asked = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
+    c->differ = asked > 0;
+    c->jams = 0;
     if (c->differ) {
         const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
         for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
+        c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
+        for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
         c->solver.solution.sweeps += first.sweeps;
         c->solver.solution.newton_steps += first.newton_steps;

@@ -19,7 +19,9 @@
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. Ten
    times more is an error that random trees see; a tenth is near rounding, and no test sees it: tried.
    RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten
-   times more or less all tests pass as well: tried. */
+   times more or less all tests pass as well: tried.
+   RBDI_JAMS: positions whose residual exceeds this share of the corrections have no solution. It is all of
+   them where a contact jams. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
@@ -40,6 +42,7 @@
 
 #define RBDI_ROOT_STEPS 60 /* for the root of one contact, six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9)
+#define RBDI_JAMS RBD_C(0.99)
 #define RBDI_MOST_SWEEPS 32 /* between two Newton steps */
 
 #endif

@@ -92,14 +92,12 @@ RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
 
     const rbd_real length = rbdi_sqrt(square);
     const rbd_real scale = 1 / (length * (length + rbdi_qp_abs(slack[last])));
-    rbd_real along = 0;
 
     slack[last] = slack[last] + (slack[last] > 0 ? length : -length);
+    const rbd_real along = rbdi_qp_dot(slack + q, s->d + q, last + 1 - q);
+
     rbdi_qp_clear(s->z, n);
-    for (int j = q; j <= last; ++j) {
-        rbdi_qp_add(slack[j], rbdi_qp_j(s, j), s->z, n);
-        along = along + slack[j] * s->d[j];
-    }
+    rbdi_qp_add_columns(s, q, last + 1, slack, s->z);
     for (int j = q; j < last; ++j) {
         rbdi_qp_add(-scale * slack[j], s->z, rbdi_qp_j(s, j), n);
         s->d[j] = s->d[j] - scale * along * slack[j];

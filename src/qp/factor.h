@@ -25,19 +25,13 @@ RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
 }
 
 /* Component i of H x, and of |H| |x|: with the sums of all of the row, for its ends are multiples of four. */
-RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
+RBDI_PART rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
     const int from = s->first[i] / 4 * 4;
-    if (i >= s->coupled) return s->given.H[i * (s->n + 1)] * x[i];
-    return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);
-}
-RBDI_ONCE rbd_real rbdi_qp_h_times_and_terms(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
-    const int from = s->first[i] / 4 * 4;
-    if (i >= s->coupled) {
-        const rbd_real h = rbdi_qp_h_times(s, i, x);
-        *terms = rbdi_qp_abs(h);
-        return h;
-    }
-    return rbdi_qp_dot_and_terms(s->given.H + i * s->n + from, x + from, s->last[i] - from, terms);
+    const rbd_real *h = s->given.H + i * s->n;
+
+    if (i < s->coupled) return rbdi_qp_dot_and_terms(h + from, x + from, s->last[i] - from, terms);
+    *terms = rbdi_qp_abs(h[i] * x[i]);
+    return h[i] * x[i];
 }
 
 /* L L' = H + rho 1. Returns the first variable whose pivot is too small, or n. */
@@ -82,6 +76,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 #define rbdi_qp_add rbdi_qp_group_add
 #define rbdi_qp_adds rbdi_qp_group_adds
 #define rbdi_qp_solve_lower rbdi_qp_group_solve_lower
+#define rbdi_qp_solve_upper rbdi_qp_group_solve_upper
 #define rbdi_qp_reflect rbdi_qp_group_reflect
 #define rbdi_qp_reflect_two rbdi_qp_group_reflect_two
 #define rbdi_qp_reflect_back rbdi_qp_group_reflect_back
@@ -92,6 +87,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 #undef rbdi_qp_add
 #undef rbdi_qp_adds
 #undef rbdi_qp_solve_lower
+#undef rbdi_qp_solve_upper
 #undef rbdi_qp_reflect
 #undef rbdi_qp_reflect_two
 #undef rbdi_qp_reflect_back
@@ -99,25 +95,8 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 #define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
 #define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
 #define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
-#define rbdi_qp_group_add rbdi_qp_add
+#define rbdi_qp_group_solve_upper rbdi_qp_solve_upper
 #endif
-
-/* t := L'^-1 t */
-RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
-    int i = s->n - 1, at = rbdi_qp_pivot(i);
-
-    for (; i >= s->coupled; --i) {
-        t[i] = t[i] * s->L[at];
-        at = at - i - 1;
-    }
-    for (; i >= 0; --i) {
-        const rbd_real *l = s->L + i * (i + 1) / 2;
-        const int k = s->first[i];
-        if (t[i] == 0) continue;
-        t[i] = t[i] * l[i];
-        rbdi_qp_add(-t[i], l + k, t + k, i - k);
-    }
-}
 
 /* t := L^-1 row' */
 RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
@@ -129,10 +108,17 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
     rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4, s->to[row]);
 }
 
-/* t := Q't, of the first k reflections, two at a time */
-RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, int k, rbd_real *t) {
+/* t := Q'L^-1 t, of the first k reflections, two at a time */
+RBDI_PART void rbdi_qp_forth(const rbdi_qp *s, int k, rbd_real *t) {
+    rbdi_qp_solve_lower(s, t, 0, s->n);
     for (int e = 0; e + 1 < k; e += 2) rbdi_qp_reflect_two(s, e, 0, t);
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
+}
+
+/* t := L'^-1 Q t, of the first k reflections */
+RBDI_PART void rbdi_qp_back(const rbdi_qp *s, int k, rbd_real *t) {
+    rbdi_qp_reflect_back(s, k, t);
+    rbdi_qp_solve_upper(s, t, s->n);
 }
 
 /* Reflection e = s->reflections of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
@@ -229,22 +215,6 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     if (lanes) rbdi_qp_eliminate(s, rows, lanes);
 }
 
-/* t := L'^-1 t of a group, which is 0 behind component `to`. */
-RBDI_PART void rbdi_qp_group_solve_upper(const rbdi_qp *s, rbdi_qp_group *t, int to) {
-    int i = to - 1, at = rbdi_qp_pivot(i);
-
-    for (; i >= s->coupled; --i) {
-        t[i] = s->L[at] * t[i];
-        at = at - i - 1;
-    }
-    for (; i >= 0; --i) {
-        const rbd_real *l = s->L + i * (i + 1) / 2;
-        const int k = s->first[i];
-        t[i] = l[i] * t[i];
-        if (k < i) rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
-    }
-}
-
 /* R of the rows of the guess: their reflections' diagonals, and what stands above. */
 RBDI_PART void rbdi_qp_take_guess(rbdi_qp *s) {
     const int k = s->equalities;
@@ -290,8 +260,7 @@ RBDI_PART void rbdi_qp_project(const rbdi_qp *s, rbd_real *y, rbd_real *d) {
         for (int j = 0; j < s->columns; ++j) d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), y, s->n);
         return;
     }
-    rbdi_qp_solve_lower(s, y, 0, s->n);
-    rbdi_qp_reflect_all(s, s->reflections, y);
+    rbdi_qp_forth(s, s->reflections, y);
     rbdi_qp_copy(y + s->equalities, d, s->columns);
 }
 
@@ -303,8 +272,7 @@ RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int from, int to, const rbd
     if (!s->J) {
         rbdi_qp_clear(s->t, s->n);
         rbdi_qp_copy(d + from, s->t + s->equalities + from, to - from);
-        rbdi_qp_reflect_back(s, s->reflections, s->t);
-        rbdi_qp_solve_upper(s, s->t);
+        rbdi_qp_back(s, s->reflections, s->t);
         rbdi_qp_add(1, s->t, y, s->n);
         return;
     }
@@ -321,16 +289,14 @@ RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, int further, rbd_real *
         if (further) b = b - s->value[row];
         t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
-    rbdi_qp_reflect_back(s, s->equalities, t);
-    rbdi_qp_solve_upper(s, t);
+    rbdi_qp_back(s, s->equalities, t);
 }
 
 /* Multipliers u_equal of the equalities that balance y best; y += A' u_equal. t: scratch, n. */
 RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
     if (!s->equalities) return;
     rbdi_qp_copy(y, t, s->n);
-    rbdi_qp_solve_lower(s, t, 0, s->n);
-    rbdi_qp_reflect_all(s, s->equalities, t);
+    rbdi_qp_forth(s, s->equalities, t);
 
     /* R u = -t */
     for (int e = s->equalities - 1; e >= 0; --e) {

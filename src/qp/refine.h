@@ -21,7 +21,7 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
 
     for (int k = 0; k < s->n; ++k) {
         const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
+        y[k] = rbdi_qp_h_times(s, k, x, &terms) + f;
         largest = rbdi_qp_larger(largest, rbdi_qp_abs(f) + terms);
     }
     return largest;

@@ -15,6 +15,22 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to
     }
 }
 
+/* t := L'^-1 t, where t is 0 from `to` on. */
+RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, RBDI_T *t, int to) {
+    int i = to - 1, at = rbdi_qp_pivot(i);
+
+    for (; i >= s->coupled; --i) {
+        t[i] = s->L[at] * t[i];
+        at = at - i - 1;
+    }
+    for (; i >= 0; --i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i];
+        t[i] = l[i] * t[i];
+        if (k < i) rbdi_qp_add(-t[i], l + k, t + k, i - k);
+    }
+}
+
 /* t := (1 - beta v v') t, of reflection e. */
 RBDI_PART void rbdi_qp_reflect(const rbdi_qp *s, int e, RBDI_T *t) {
     const rbd_real *v = s->V + e * s->n + e;

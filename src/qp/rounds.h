@@ -12,8 +12,7 @@
 /* x0: optimum on the equalities alone. */
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
-    rbdi_qp_solve_lower(s, s->x0, 0, s->n);
-    rbdi_qp_reflect_all(s, s->equalities, s->x0);
+    rbdi_qp_forth(s, s->equalities, s->x0);
     rbdi_qp_onto_equalities(s, 0, s->x0);
 }
 
@@ -84,7 +83,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_push(s);
     rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
-    rbdi_qp_evaluate(s, x);
+    rbdi_qp_evaluate(s, x, 0);
 
     for (;;) {
         rbd_qp_status status;
@@ -100,7 +99,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
                 refined = 0;
                 moved = 1;
             }
-            if (moved) rbdi_qp_evaluate(s, x);
+            if (moved) rbdi_qp_evaluate(s, x, 0);
             /* x is exact now: less of what has cancelled before still counts. */
             rbdi_qp_clear(s->reach, s->n);
             rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
@@ -113,7 +112,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         }
         status = rbdi_qp_take_in(s, x, *miss);
         rbdi_qp_reached(s, x);
-        rbdi_qp_evaluate(s, x);
+        rbdi_qp_evaluate(s, x, 0);
         refined = 0;
         if (status == RBD_QP_INFEASIBLE && !rbdi_qp_proven(s, *miss)) {
             if (s->accuracy > RBDI_QP_HOPELESS) return RBD_QP_INACCURATE;
@@ -129,7 +128,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
 /* z = x, or x - from; whether the value falls on this way, and H does not bend it, but for rounding. */
 RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *from) {
-    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
+    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding, terms;
 
     for (int k = 0; k < s->n; ++k) {
         s->z[k] = from ? x[k] - from[k] : x[k];
@@ -138,7 +137,7 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *fr
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
-        curvature = rbdi_qp_larger(curvature, rbdi_qp_abs(rbdi_qp_h_times(s, k, s->z)));
+        curvature = rbdi_qp_larger(curvature, rbdi_qp_abs(rbdi_qp_h_times(s, k, s->z, &terms)));
     rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
     return down < 0 && curvature <= rounding;
 }

@@ -39,11 +39,12 @@ RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, rbd_real accuracy, rbdi_
     return 1;
 }
 
-/* Values at x of the watched rows that are not active: those of the others come with the residuals. */
-RBDI_PART void rbdi_qp_evaluate(rbdi_qp *s, const rbd_real *x) {
+/* Values at x of the watched rows; without `all` of those that are not active, for those of the others come
+   with the residuals. */
+RBDI_PART void rbdi_qp_evaluate(rbdi_qp *s, const rbd_real *x, int all) {
     for (int i = 0; i < s->watches; ++i) {
         const int row = s->watched[i];
-        if (!s->side[row]) s->value[row] = rbdi_qp_row_times(s, row, x);
+        if (all || !s->side[row]) s->value[row] = rbdi_qp_row_times(s, row, x);
     }
 }
 

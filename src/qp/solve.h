@@ -207,7 +207,7 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
 /* result.dual and s->balance of x and lambda, whatever they came from. */
 RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real size = rbdi_qp_gradient(s, x, s->t), push = 0;
-    if (!(size > 0)) size = s->rho * rbdi_qp_largest(s->reach, s->n); /* multipliers are rounding of this */
+    if (!(size > 0)) size = s->rho * s->reach[0]; /* multipliers are rounding of this */
 
     for (int row = 0; row < s->all; ++row) {
         if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
@@ -224,7 +224,7 @@ RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_r
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real *lambda) {
     const int as_refined = rbdi_qp_multipliers(s, lambda) && ended && !(s->rho > 0);
 
-    for (int row = 0; row < s->all && !ended; ++row) s->value[row] = rbdi_qp_row_times(s, row, x);
+    if (!ended) rbdi_qp_evaluate(s, x, 1);
     rbdi_qp_verify_rows(s, x, lambda);
     if (!as_refined) rbdi_qp_verify_optimum(s, x, lambda);
 }
@@ -293,8 +293,7 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
     return status;
 }
 
-/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. shape: NULL if
-   nothing is known. */
+/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. */
 RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
                                       const rbd_qp_options *options, const rbdi_qp_shape *shape, void *memory,
                                       size_t size, rbd_real *x, rbd_real *lambda, signed char *side) {
@@ -308,12 +307,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     if (!problem || !memory || !x) return RBD_QP_NULL;
     s->given = *problem;
     s->options = options ? *options : defaults;
-    s->shape.symmetric = 0;
-    s->shape.coupled = problem->n;
-    s->shape.heads = 0;
-    s->shape.tails = 0;
-    s->shape.rest = 0;
-    if (shape) s->shape = *shape;
+    s->shape = *shape;
     s->side = side;
     s->lambda = lambda;
     s->soft = 0;
@@ -346,8 +340,9 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
 RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
                                     void *memory, size_t size, rbd_real *x, rbd_real *lambda,
                                     signed char *side, rbd_qp_result *result) {
+    const rbdi_qp_shape any = {0, problem ? problem->n : 0, 0, 0, 0};
     rbdi_qp s;
-    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, NULL, memory, size, x, lambda, side);
+    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, &any, memory, size, x, lambda, side);
     if (result) *result = s.result;
     return status;
 }

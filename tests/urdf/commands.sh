@@ -291,7 +291,7 @@ int main(void)
 END
 for standard in c99 c11; do
     # shellcheck disable=SC2086 # CC may be "ccache cc"
-    ${CC:-cc} -std=$standard -pedantic -Wall -Wextra -Werror -Og $unforced -ffp-contract=off -I"$root" -I. program.c \
+    ${CC:-cc} -std=$standard -pedantic -Wall -Wextra -Werror -O0 $unforced -ffp-contract=off -I"$root" -I. program.c \
         -o program -lm || fail "the tables do not compile as $standard"
     ./program || fail "the tables differ: $?"
 done
