@@ -28,9 +28,9 @@
      [conventions] [configuration] [guarantees] [limits]
      [tables] [actuators] [inverse] [forward] [rotors]
      --- stop here if you only use it ---
-     [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code]
-     [inverse code] [laws of shafts] [coupled shafts] [learning] [forward code] [derivatives code] [checks]
-     [tables code] [rotors code] [text code]
+     [method] [exponential] [friction code] [motor code] [cogging] [drive code] [rods] [transmission code]
+     [inverse code] [laws of shafts] [search] [coupled shafts] [foretelling] [learning] [forward code]
+     [derivatives code] [checks] [tables code] [rotors code] [text code]
 
    [conventions] Those of rbd.h, beyond them:
      shaft        the output of one motor's gear, in the data sheet's coordinate. Its angle times gear is the
@@ -43,17 +43,19 @@
      data. With __float128 the part of friction at rest has the accuracy of double.
 
    [guarantees]
-     Finite input gives finite output. Springs and play add no energy, whatever the step is, and friction
-     opposes the speed at the step's end. No motor passes its limits there. A rotor that friction holds on a
-     spring stays to the bit. The bits are the same on every machine with RBD_REPRODUCIBLE.
+     Finite input gives finite output. Friction, springs and play add no energy in a step that settles,
+     whatever its order and length are, but for rounding. No motor passes its limits at the step's end. A
+     rotor that friction holds on a spring stays to the bit. The bits are the same on every machine with
+     RBD_REPRODUCIBLE.
 
    [limits]
      A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), or gives way as its
      bristle says. The level of friction is that of the state before a step, and of the loads of the last one.
-     Steps settle by repeats, of which there are 50 at most; several transmissions along one limb may need
-     more. Not here: inductance, whose time constant is a millisecond or less, and the dynamics of the
-     current's loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by
-     temperature. That actuators belong to another robot cannot be seen: no call but the first takes a model.
+     Steps settle by repeats, of which there are 50 at most. Cogging gives its own height of energy at most,
+     and a drive's speed gain dt kd v^2 / 8 in a step of second order in which a shaft turns around. Not
+     here: inductance, whose time constant is a millisecond or less, and the dynamics of the current's loop,
+     rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by temperature. That
+     actuators belong to another robot cannot be seen: no call but the first takes a model.
 */
 #include "rbd.h"
 
@@ -374,9 +376,9 @@ RBDI_EXTERN_C_END
 
 /* ==== src/actuator/layout.h ==== */
 /* ---- method [method] ----
-   Each drive is a shaft with angle phi(q) and speed x = G v on the joints' side; t there is the torque t' G of
-   the joints. Everything between command and joint is a law t(x) of one shaft, monotone: at the end of a step
-   of length dt the joint gets the impulse dt t, and a larger speed x never a larger t. Such laws make no
+   Each drive is a shaft with angle phi(q) and speed x = G v on the joints' side; t there is the torque t' G
+   of the joints. Everything between command and joint is a law t(x) of one shaft, monotone: at the end of a
+   step of length dt the joint gets the impulse dt t, and a larger speed x never a larger t. Such laws make no
    energy whatever dt is.
 
    A law is piecewise linear, t = s - slope x; dry friction is steep at x = 0. A step is told s and slope of
@@ -392,10 +394,10 @@ RBDI_EXTERN_C_END
    So the repeats end for all laws, however steep.
 
    Shafts that a transmission couples have slopes G' diag(slope) G, which are no diagonal, and what sticks is
-   no joint. So if there is a transmission, the motion of the joints is learnt for all shafts at once: T = T_p +
-   P (x - x_p) with a matrix P, which each repeat corrects. With P the same method finds the speeds of all shafts
-   without a step. The step is told the torques that belong to them, and a damping that is a diagonal. P is kept
-   from step to step. */
+   no joint. So if there is a transmission, the motion of the joints is learnt for all shafts at once: T =
+   T_p + P (x - x_p) with a matrix P, which each repeat corrects. With P the same method finds the speeds of
+   all shafts without a step. The step is told the torques that belong to them, and a damping that is a
+   diagonal. P is kept from step to step. */
 
 #define RBDI_ACTUATOR_MOST RBD_C(1e9)     /* of a field, a command, q and v */
 #define RBDI_ACTUATOR_LARGEST RBD_C(1e12) /* N m: torques in a level of friction; their squares are finite */
@@ -598,9 +600,9 @@ RBDI_INLINE int rbdi_act_has_rest(const rbd_gear_friction *f) {
            f->square_joint > 0;
 }
 
-/* S = exp(-|x / speed|^power) = exp(-exp(power log |x / speed|)): the share of friction at rest. The logarithm
-   is one from 1e-30 to 1e30. Below, S is 1: with the least power of 0.1 that is 1e-3 off, at 1e-30 of a slow
-   speed. Above exp(5), S is exp(-148) or less, 0 in float and nothing beside 1. */
+/* S = exp(-|x / speed|^power) = exp(-exp(power log |x / speed|)): the share of friction at rest. The
+   logarithm takes 1e-30 to 1e30. Below, S is 1: with the least power, 0.1, it is 1e-3 off. Where the power
+   of the ratio is above exp(5), S is below exp(-148), 0 in float and nothing beside 1. */
 RBDI_PART rbd_real rbdi_act_rest_share(const rbd_gear_friction *f, rbd_real x) {
     rbd_real ratio;
     if (!rbdi_act_has_rest(f)) return rbdi_zero();
@@ -645,8 +647,8 @@ RBDI_INLINE rbd_real rbdi_act_rotor_inertia(const rbd_motor *m) {
     return (rbd_real)m->gear * m->gear * m->inertia;
 }
 
-/* Resistance of a winding of so many degrees. A cold one keeps a tenth of it: the line of copper would be 0 at
-   -231 degrees, and no motor works below -200. */
+/* Resistance of a winding of so many degrees. A cold one keeps a tenth of it: the line of copper would be 0
+   at -231 degrees, and no motor works below -200. */
 RBDI_INLINE rbd_real rbdi_act_resistance(const rbd_motor *m, rbd_real winding) {
     const rbd_real factor = 1 + m->copper * (winding - RBDI_ACTUATOR_WARM);
     return m->resistance * (factor > RBD_C(0.1) ? factor : rbdi_set(RBD_C(0.1)));
@@ -1231,19 +1233,20 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
        m(x) - J ((x - x_0) / dt + bias) - viscous (x - still) - dry,   dry = clamp(F (x - still) / w, -F, F)
 
    with the level F and the speed before the step x_0. Its work is that times the mean speed by which the
-   joint moves, x_m = (1 - share) x_0 + share x. In a step of first order, share = 1, still is 0. Else friction
-   at the end's speed makes energy where a shaft turns around: there x and x_m are against each other. So
+   joint moves, x_m = (1 - share) x_0 + share x. In a step of first order, share = 1, still is 0. Else
+   friction at the end's speed makes energy where a shaft turns around: there x and x_m are against each
+   other. So
 
        still = clamp(x, -turn, 0) or clamp(x, 0, -turn),   turn = x_0 (1 - share) / share
 
    which lies between the speeds at which x and x_m vanish: friction is 0 or against both of them, so that it
-   takes dt friction x_m >= 0 whatever dt is. In between the shaft coasts. It is the law of the bounded rows of
-   rbd_contact_step, but for the width w: what sticks creeps here, at most by w = RBDI_ACTUATOR_CREEP, and what
-   turned around, still = -turn, has w = RBDI_ACTUATOR_BEND turn more. A bristle of stiffness k that has the
-   torque b makes dry = clamp(b + k dt x_m, -F, F).
+   takes dt friction x_m >= 0 whatever dt is. In between the shaft coasts. It is the law of the bounded rows
+   of rbd_contact_step, but for the width w: what sticks creeps here, at most by w = RBDI_ACTUATOR_CREEP, and
+   what turned around, still = -turn, has w = RBDI_ACTUATOR_BEND turn more. A bristle of stiffness k that has
+   the torque b makes dry = clamp(b + k dt x_m, -F, F).
 
-   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - phi, play 2 h,
-   K = dt k + d, r = y - x_m the joint gets the impulse
+   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - phi, play 2
+   h, K = dt k + d, r = y - x_m the joint gets the impulse
 
        p = max(0, dt k (delta - h) + dt K r) + min(0, dt k (delta + h) + dt K r)
        J (y - y_0) = dt (m(y) - viscous y) - p + p_f,   p_f = -dt F sign(y), or less at y = 0
@@ -1592,12 +1595,11 @@ RBDI_LOCAL void rbdi_act_note_rounding(rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
         s->size = s->size + rbdi_act_size(&a->motor[i], s, a);
-        if (s->dof < 0) {
-            s->size = s->size + s->smooth * s->scale;
-            for (int k = 0; k < a->n && a->known; ++k)
-                s->size = s->size + rbdi_abs(a->mass[a->n * i + k]) / a->dt * a->shaft[k].scale;
-        }
         a->heavy = a->heavy + RBDI_ACTUATOR_ROUNDING * s->size;
+        if (s->dof >= 0) continue;
+        s->size = s->size + s->smooth * s->scale;
+        for (int k = 0; k < a->n && a->known; ++k)
+            s->size = s->size + rbdi_abs(a->mass[a->n * i + k]) / a->dt * a->shaft[k].scale;
     }
 }
 
@@ -1635,8 +1637,8 @@ RBDI_LOCAL void rbdi_act_take_pieces(rbd_actuators *a) {
     }
 }
 
-/* Finds the speeds, `next`, at which the joints ask for the torques of the pieces, `force`. Returns 0 if there
-   are none within bounds.
+/* Finds the speeds, `next`, at which the joints ask for the torques of the pieces, `force`. Returns 0 if
+   there are none within bounds.
 
        (M / dt + slope) x = start - seen_T + M / dt seen_x */
 RBDI_LOCAL int rbdi_act_solve_pieces(rbd_actuators *a) {
@@ -1698,8 +1700,8 @@ RBDI_LOCAL int rbdi_act_foretell(rbd_actuators *a) {
 
 /* ==== src/actuator/learning.h ==== */
 /* ---- learning [learning] ----
-   Each repeat tells a change d of the shafts' speeds and the impulse y that made it: M d = y. M is corrected by
-   BFGS (Nocedal and Wright 2006, section 6.1):
+   Each repeat tells a change d of the shafts' speeds and the impulse y that made it: M d = y. M is corrected
+   by BFGS (Nocedal and Wright 2006, section 6.1):
 
        M + y y' / (y'd) - M d (M d)' / (d'M d)
 

@@ -1879,8 +1879,8 @@ RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int from, int to, const rbd
     if (j < to) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
 }
 
-/* t := L'^-1 Q (y; t2), R' y = b, for the equalities A x = b; `further`: R' y = b - A x, from the values of these
-   rows. t2: t from there on. */
+/* t := L'^-1 Q (y; t2), R' y = b, for the equalities A x = b; `further`: R' y = b - A x, from the values of
+   these rows. t2: t from there on. */
 RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, int further, rbd_real *t) {
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
@@ -2316,8 +2316,9 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
     return largest;
 }
 
-/* t = r1 without the equalities' part, r = r2, and the values of these rows at x. Returns the largest |r2|, as
-   a share of its row's length; raises *size to the largest term of the cost in r1, *push to that of all rows. */
+/* t = r1 without the equalities' part, r = r2, and the values of these rows at x. Returns the largest |r2|,
+   as a share of its row's length; raises *size to the largest term of the cost in r1, *push to that of all
+   rows. */
 RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size, rbd_real *push) {
     rbd_real missed = 0;
 
@@ -2346,9 +2347,9 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
 }
 
 /* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of `size`, the largest
-   term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row, whose largest is `push`: where rows
-   nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of the
-   gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
+   term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row, whose largest is `push`: where
+   rows nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of
+   the gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
 RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size, rbd_real push) {
     const rbd_real larger = rbdi_qp_larger(size, push);
     rbd_real worst = rbdi_qp_largest(s->t, s->n), sum = 0;

@@ -334,7 +334,7 @@ static void all_calls_contact(all_calls *s) {
 }
 
 /* Inverse kinematics: the last body's pose at q2 from q, an axis and a place that need not be reached: the
-   centre of mass if there is mass. The pose alone by the default options, which try long where it is in vain. */
+   centre of mass if there is mass. The default options, which try long in vain, for the pose alone. */
 static void all_calls_ik(all_calls *s) {
     enum { TARGETS = 3 };
     const int nq = s->nq, most = rbd_mass(s->m) > 0 ? TARGETS : TARGETS - 1;

@@ -471,7 +471,7 @@ static void check_missed(int steps) {
 /* ---- rows that nearly depend on each other ---- */
 
 /* A plate that is held at two points, and shall turn. The nearer they are, the larger are the multipliers,
-   whose rounding is more than the QP's accuracy in the end; x is 0 all the same, and that is what is asked. */
+   whose rounding is more than the QP's accuracy in the end; x is 0 all the same, which is what is asked. */
 static void check_near_contacts(void) {
     const rbd_body plate = {
         .parent = -1, .type = RBD_PLANAR, .axis = {0, 0, 1}, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}};

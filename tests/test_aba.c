@@ -89,9 +89,6 @@ static void check_in_place(const robot *r, const state *s, int number) {
 START_TEST(output_may_be_an_input) { for_random_states(3, check_in_place); }
 END_TEST
 
-typedef rbd_status forward_dynamics(const rbd_model *m, rbd_work *w, const double *q, const double *v,
-                                    const double *tau, const double *f_ext, double *a);
-
 START_TEST(null_arguments_are_refused) {
     forward_dynamics *const functions[2] = {rbd_aba, rbd_fd_cholesky};
     robot r = robot_build("atlas", reference_model(0)->bodies, reference_model(0)->nb);

@@ -364,6 +364,11 @@ START_TEST(several_roots_are_several_robots) {
 }
 END_TEST
 
+/* n entries from one array to another. A fixed joint has none, and begins at -1. */
+static void copy_entries(double *to, int at, const double *from, int at_from, int n) {
+    for (int i = 0; i < n; i++) to[at + i] = from[at_from + i];
+}
+
 /* The same tree with its bodies breadth first and depth first. Each body of `order` keeps its joint. */
 static void check_order(const rbd_body *bodies, int nb, uint64_t *seed) {
     rbd_body sorted[MAX_BODIES];
@@ -393,10 +398,10 @@ static void check_order(const rbd_body *bodies, int nb, uint64_t *seed) {
         rbd_joint_info from, to;
         ck_assert_int_eq(rbd_joint(a.m, i, &from), RBD_OK);
         ck_assert_int_eq(rbd_joint(b.m, place[i], &to), RBD_OK);
-        memcpy(t.q + to.iq, s.q + from.iq, (size_t)from.nq * sizeof(double));
-        memcpy(t.v + to.iv, s.v + from.iv, (size_t)from.nv * sizeof(double));
-        memcpy(t.a + to.iv, s.a + from.iv, (size_t)from.nv * sizeof(double));
-        memcpy(t.f_ext + 6 * place[i], s.f_ext + 6 * i, 6 * sizeof(double));
+        copy_entries(t.q, to.iq, s.q, from.iq, from.nq);
+        copy_entries(t.v, to.iv, s.v, from.iv, from.nv);
+        copy_entries(t.a, to.iv, s.a, from.iv, from.nv);
+        copy_entries(t.f_ext, 6 * place[i], s.f_ext, 6 * i, 6);
     }
     ck_assert_int_eq(rbd_rnea(a.m, a.w, s.q, s.v, s.a, s.f_ext, expected), RBD_OK);
     ck_assert_int_eq(rbd_rnea(b.m, b.w, t.q, t.v, t.a, t.f_ext, other), RBD_OK);
@@ -404,7 +409,7 @@ static void check_order(const rbd_body *bodies, int nb, uint64_t *seed) {
         rbd_joint_info from, to;
         ck_assert_int_eq(rbd_joint(a.m, i, &from), RBD_OK);
         ck_assert_int_eq(rbd_joint(b.m, place[i], &to), RBD_OK);
-        memcpy(tau + from.iv, other + to.iv, (size_t)from.nv * sizeof(double));
+        copy_entries(tau, from.iv, other, to.iv, from.nv);
     }
     expect_close("order of the bodies", &a, 0, tau, expected, a.nv, 1e-12);
     robot_free(&a);

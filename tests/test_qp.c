@@ -253,6 +253,19 @@ static const known answers[] = {
      RBD_QP_OK,
      {1, 3, 1},
      {-3}},
+    {"a row of one block of H",
+     3,
+     0,
+     1,
+     {2, 0, 0, 0, 2, 1, 0, 1, 2},
+     {0, 0, 0},
+     {1, 0, 0},
+     {1},
+     {1},
+     {0},
+     RBD_QP_OK,
+     {1, 0, 0},
+     {-2}},
     {"any point will do", 2, 0, 1, {0}, {0, 0}, {1, 1}, {2}, {INF}, {0}, RBD_QP_OK, {1, 1}, {0}},
     {"without rows", 2, 0, 0, {2, 1, 1, 2}, {-3, -3}, {0}, {0}, {0}, {0}, RBD_QP_OK, {1, 1}, {0}},
 };
@@ -585,6 +598,19 @@ START_TEST(a_problem_that_drifts_is_solved_ten_thousand_times) {
 }
 END_TEST
 
+/* After one step of two x is (1, 3): the second variable is 2 above its limit, a share of 1 + 3. */
+START_TEST(an_unfinished_x_is_judged_where_it_is) {
+    const rbd_real square[4] = {1, 0, 0, 1}, slope[2] = {-6, -3}, below[2] = {-RBD_QP_NONE, -RBD_QP_NONE};
+    const rbd_real above[2] = {1, 1};
+    const rbd_qp_problem p = {.n = 2, .bounds = 2, .H = square, .f = slope, .lower = below, .upper = above};
+    const rbd_qp_options one = {.steps = 1};
+    ck_assert_int_eq(rbd_qp_solve(&p, &one, memory, sizeof memory, x, lambda, side, &result),
+                     RBD_QP_ITERATIONS);
+    ck_assert(fabs((double)result.primal - 0.5) < 1e-6);
+    ck_assert(result.dual < tight);
+}
+END_TEST
+
 START_TEST(order_and_units_do_not_matter) {
     seed = 23;
     for (int k = 0; k < 100; k++) {
@@ -789,6 +815,23 @@ START_TEST(a_slight_asymmetry_is_rounding) {
 }
 END_TEST
 
+/* The row that is missed most joins first: here no other is missed then. */
+START_TEST(the_row_that_is_missed_most_joins) {
+    const rbd_qp_problem p = problem_of(1, 0, 3);
+    H[0] = 1;
+    f[0] = 0;
+    for (int most = 0; most < 3; most++) {
+        for (int row = 0; row < 3; row++) {
+            C[row] = 1;
+            lower[row] = row == most ? 2 : 1;
+            upper[row] = NONE;
+        }
+        ck_assert_int_eq(solve(&p), RBD_QP_OK);
+        ck_assert(result.steps == 1 && side[most] == -1 && fabs((double)x[0] - 2) < tight);
+    }
+}
+END_TEST
+
 START_TEST(steps_and_rounds_are_bounded) {
     rbd_qp_problem p;
     rbd_qp_options o = {0, 0, 0, 0};
@@ -844,8 +887,8 @@ START_TEST(slight_contradictions_are_inaccurate) {
 END_TEST
 
 /* Without a value to lower, x is the nearest place to 0, to rounding. */
-/* x0 >= gap and x0 + angle x1 <= 0 meet at x1 = -gap / angle, which is nearer than the optimum without rows. The
-   rows are too nearly parallel to be solved; but that is no contradiction. */
+/* x0 >= gap and x0 + angle x1 <= 0 meet at x1 = -gap / angle, which is nearer than the optimum without rows.
+   The rows are too nearly parallel to be solved; but that is no contradiction. */
 START_TEST(rows_that_meet_within_reach_contradict_nothing) {
     const rbd_qp_problem p = problem_of(2, 0, 2);
     const double angle = (double)RBDI_QP_DEPENDENT / 2, far = 1e4, gap = angle * far / 5;
@@ -1349,6 +1392,7 @@ int main(void) {
     tcase_add_test(c, not_a_number_is_named);
     tcase_add_test(c, slips_are_named);
     tcase_add_test(c, a_slight_asymmetry_is_rounding);
+    tcase_add_test(c, the_row_that_is_missed_most_joins);
     tcase_add_test(c, steps_and_rounds_are_bounded);
     tcase_add_test(c, slight_contradictions_are_inaccurate);
     tcase_add_test(c, rows_that_meet_within_reach_contradict_nothing);
@@ -1369,6 +1413,7 @@ int main(void) {
     tcase_add_test(c, rows_hold_as_a_share_of_a_small_solution);
     tcase_add_test(c, multipliers_that_overflow_are_named);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
+    tcase_add_test(c, an_unfinished_x_is_judged_where_it_is);
     tcase_add_test(c, results_that_are_too_large_are_none);
     tcase_add_test(c, the_memory_is_enough);
     tcase_add_test(c, what_was_found_is_a_sentence);

@@ -68,12 +68,11 @@ RBDI_LOCAL void rbdi_act_note_rounding(rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
         s->size = s->size + rbdi_act_size(&a->motor[i], s, a);
-        if (s->dof < 0) {
-            s->size = s->size + s->smooth * s->scale;
-            for (int k = 0; k < a->n && a->known; ++k)
-                s->size = s->size + rbdi_abs(a->mass[a->n * i + k]) / a->dt * a->shaft[k].scale;
-        }
         a->heavy = a->heavy + RBDI_ACTUATOR_ROUNDING * s->size;
+        if (s->dof >= 0) continue;
+        s->size = s->size + s->smooth * s->scale;
+        for (int k = 0; k < a->n && a->known; ++k)
+            s->size = s->size + rbdi_abs(a->mass[a->n * i + k]) / a->dt * a->shaft[k].scale;
     }
 }
 
@@ -111,8 +110,8 @@ RBDI_LOCAL void rbdi_act_take_pieces(rbd_actuators *a) {
     }
 }
 
-/* Finds the speeds, `next`, at which the joints ask for the torques of the pieces, `force`. Returns 0 if there
-   are none within bounds.
+/* Finds the speeds, `next`, at which the joints ask for the torques of the pieces, `force`. Returns 0 if
+   there are none within bounds.
 
        (M / dt + slope) x = start - seen_T + M / dt seen_x */
 RBDI_LOCAL int rbdi_act_solve_pieces(rbd_actuators *a) {

@@ -18,9 +18,9 @@ RBDI_INLINE int rbdi_act_has_rest(const rbd_gear_friction *f) {
            f->square_joint > 0;
 }
 
-/* S = exp(-|x / speed|^power) = exp(-exp(power log |x / speed|)): the share of friction at rest. The logarithm
-   is one from 1e-30 to 1e30. Below, S is 1: with the least power of 0.1 that is 1e-3 off, at 1e-30 of a slow
-   speed. Above exp(5), S is exp(-148) or less, 0 in float and nothing beside 1. */
+/* S = exp(-|x / speed|^power) = exp(-exp(power log |x / speed|)): the share of friction at rest. The
+   logarithm takes 1e-30 to 1e30. Below, S is 1: with the least power, 0.1, it is 1e-3 off. Where the power
+   of the ratio is above exp(5), S is below exp(-148), 0 in float and nothing beside 1. */
 RBDI_PART rbd_real rbdi_act_rest_share(const rbd_gear_friction *f, rbd_real x) {
     rbd_real ratio;
     if (!rbdi_act_has_rest(f)) return rbdi_zero();

@@ -10,19 +10,20 @@
        m(x) - J ((x - x_0) / dt + bias) - viscous (x - still) - dry,   dry = clamp(F (x - still) / w, -F, F)
 
    with the level F and the speed before the step x_0. Its work is that times the mean speed by which the
-   joint moves, x_m = (1 - share) x_0 + share x. In a step of first order, share = 1, still is 0. Else friction
-   at the end's speed makes energy where a shaft turns around: there x and x_m are against each other. So
+   joint moves, x_m = (1 - share) x_0 + share x. In a step of first order, share = 1, still is 0. Else
+   friction at the end's speed makes energy where a shaft turns around: there x and x_m are against each
+   other. So
 
        still = clamp(x, -turn, 0) or clamp(x, 0, -turn),   turn = x_0 (1 - share) / share
 
    which lies between the speeds at which x and x_m vanish: friction is 0 or against both of them, so that it
-   takes dt friction x_m >= 0 whatever dt is. In between the shaft coasts. It is the law of the bounded rows of
-   rbd_contact_step, but for the width w: what sticks creeps here, at most by w = RBDI_ACTUATOR_CREEP, and what
-   turned around, still = -turn, has w = RBDI_ACTUATOR_BEND turn more. A bristle of stiffness k that has the
-   torque b makes dry = clamp(b + k dt x_m, -F, F).
+   takes dt friction x_m >= 0 whatever dt is. In between the shaft coasts. It is the law of the bounded rows
+   of rbd_contact_step, but for the width w: what sticks creeps here, at most by w = RBDI_ACTUATOR_CREEP, and
+   what turned around, still = -turn, has w = RBDI_ACTUATOR_BEND turn more. A bristle of stiffness k that has
+   the torque b makes dry = clamp(b + k dt x_m, -F, F).
 
-   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - phi, play 2 h,
-   K = dt k + d, r = y - x_m the joint gets the impulse
+   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - phi, play 2
+   h, K = dt k + d, r = y - x_m the joint gets the impulse
 
        p = max(0, dt k (delta - h) + dt K r) + min(0, dt k (delta + h) + dt K r)
        J (y - y_0) = dt (m(y) - viscous y) - p + p_f,   p_f = -dt F sign(y), or less at y = 0

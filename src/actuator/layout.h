@@ -5,9 +5,9 @@
 #include "api/actuator.h"
 
 /* ---- method [method] ----
-   Each drive is a shaft with angle phi(q) and speed x = G v on the joints' side; t there is the torque t' G of
-   the joints. Everything between command and joint is a law t(x) of one shaft, monotone: at the end of a step
-   of length dt the joint gets the impulse dt t, and a larger speed x never a larger t. Such laws make no
+   Each drive is a shaft with angle phi(q) and speed x = G v on the joints' side; t there is the torque t' G
+   of the joints. Everything between command and joint is a law t(x) of one shaft, monotone: at the end of a
+   step of length dt the joint gets the impulse dt t, and a larger speed x never a larger t. Such laws make no
    energy whatever dt is.
 
    A law is piecewise linear, t = s - slope x; dry friction is steep at x = 0. A step is told s and slope of
@@ -23,10 +23,10 @@
    So the repeats end for all laws, however steep.
 
    Shafts that a transmission couples have slopes G' diag(slope) G, which are no diagonal, and what sticks is
-   no joint. So if there is a transmission, the motion of the joints is learnt for all shafts at once: T = T_p +
-   P (x - x_p) with a matrix P, which each repeat corrects. With P the same method finds the speeds of all shafts
-   without a step. The step is told the torques that belong to them, and a damping that is a diagonal. P is kept
-   from step to step. */
+   no joint. So if there is a transmission, the motion of the joints is learnt for all shafts at once: T =
+   T_p + P (x - x_p) with a matrix P, which each repeat corrects. With P the same method finds the speeds of
+   all shafts without a step. The step is told the torques that belong to them, and a damping that is a
+   diagonal. P is kept from step to step. */
 
 #define RBDI_ACTUATOR_MOST RBD_C(1e9)     /* of a field, a command, q and v */
 #define RBDI_ACTUATOR_LARGEST RBD_C(1e12) /* N m: torques in a level of friction; their squares are finite */

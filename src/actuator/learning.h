@@ -3,8 +3,8 @@
 #include "actuator/motor.h"
 
 /* ---- learning [learning] ----
-   Each repeat tells a change d of the shafts' speeds and the impulse y that made it: M d = y. M is corrected by
-   BFGS (Nocedal and Wright 2006, section 6.1):
+   Each repeat tells a change d of the shafts' speeds and the impulse y that made it: M d = y. M is corrected
+   by BFGS (Nocedal and Wright 2006, section 6.1):
 
        M + y y' / (y'd) - M d (M d)' / (d'M d)
 

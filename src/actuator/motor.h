@@ -13,8 +13,8 @@ RBDI_INLINE rbd_real rbdi_act_rotor_inertia(const rbd_motor *m) {
     return (rbd_real)m->gear * m->gear * m->inertia;
 }
 
-/* Resistance of a winding of so many degrees. A cold one keeps a tenth of it: the line of copper would be 0 at
-   -231 degrees, and no motor works below -200. */
+/* Resistance of a winding of so many degrees. A cold one keeps a tenth of it: the line of copper would be 0
+   at -231 degrees, and no motor works below -200. */
 RBDI_INLINE rbd_real rbdi_act_resistance(const rbd_motor *m, rbd_real winding) {
     const rbd_real factor = 1 + m->copper * (winding - RBDI_ACTUATOR_WARM);
     return m->resistance * (factor > RBD_C(0.1) ? factor : rbdi_set(RBD_C(0.1)));

@@ -280,8 +280,8 @@ RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int from, int to, const rbd
     if (j < to) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
 }
 
-/* t := L'^-1 Q (y; t2), R' y = b, for the equalities A x = b; `further`: R' y = b - A x, from the values of these
-   rows. t2: t from there on. */
+/* t := L'^-1 Q (y; t2), R' y = b, for the equalities A x = b; `further`: R' y = b - A x, from the values of
+   these rows. t2: t from there on. */
 RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, int further, rbd_real *t) {
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];

@@ -27,8 +27,9 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
     return largest;
 }
 
-/* t = r1 without the equalities' part, r = r2, and the values of these rows at x. Returns the largest |r2|, as
-   a share of its row's length; raises *size to the largest term of the cost in r1, *push to that of all rows. */
+/* t = r1 without the equalities' part, r = r2, and the values of these rows at x. Returns the largest |r2|,
+   as a share of its row's length; raises *size to the largest term of the cost in r1, *push to that of all
+   rows. */
 RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size, rbd_real *push) {
     rbd_real missed = 0;
 
@@ -57,9 +58,9 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
 }
 
 /* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of `size`, the largest
-   term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row, whose largest is `push`: where rows
-   nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of the
-   gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
+   term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row, whose largest is `push`: where
+   rows nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of
+   the gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
 RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size, rbd_real push) {
     const rbd_real larger = rbdi_qp_larger(size, push);
     rbd_real worst = rbdi_qp_largest(s->t, s->n), sum = 0;

@@ -8,7 +8,9 @@
 static int refined; /* whether rbd.h refined its rows, which generated code does not */
 #define RBDI_NOTE_REFINED() (refined = 1)
 #endif
+#ifndef RBDI_IMPLEMENTED /* it is linked else */
 #define RBD_STATIC
+#endif
 #define RBD_IMPLEMENTATION
 #include "rbd_constraints.h"
 #include "rbd_derivatives.h"
