@@ -139,7 +139,8 @@ class Counts:
             present, skipped = set(), set()
             for l1, c1, l2, c2, count, file, _, kind in function["regions"]:
                 if here[file]:
-                    (skipped if kind == SKIPPED_REGION else present).update(range(l1, l2 + 1))
+                    end = l2 + 1 if c2 > 1 else l2  # what is skipped may end where a line begins
+                    (skipped if kind == SKIPPED_REGION else present).update(range(l1, end))
                 if here[file] and kind == CODE_REGION:
                     place = (l1, c1, l2, c2)
                     self.regions[place] = self.regions.get(place, 0) + count
