@@ -53,8 +53,9 @@ def programs():
     for name, flags in {"double": [], "float": ["-DRBD_REAL=float"], "scalars": ["-U__SSE2__"],
                         "small": ["-U__OPTIMIZE__"], "small scalars": ["-U__SSE2__", "-U__OPTIMIZE__"]}.items():
         out.append((f"qp {name}", ["test_qp.c"], [], [*RUN_LONG, *flags], []))
-    for real in "double", "float":
-        out.append((f"tasks {real}", ["tasks_scalars.c"], [], [*RUN_LONG, f"-DRBD_REAL={real}"], []))
+    for part in "tasks", "actuator", "estimate", "ik":
+        for real in "double", "float":
+            out.append((f"{part} {real}", [f"{part}_scalars.c"], [], [*RUN_LONG, f"-DRBD_REAL={real}"], []))
     return out
 
 
