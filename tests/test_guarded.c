@@ -117,8 +117,8 @@ static const double *give(guarded *g, const double *x, int n) {
     return g->copy[g->copies++] = inputs(x, n);
 }
 
-/* The k-th input of n numbers: v, a, tau, v; wrenches; or a point and the wrench at it, for which v may be too
-   short. */
+/* The k-th input of n numbers: v, a, tau, v; wrenches; or a point and the wrench at it, for which v may be
+   too short. */
 static const double *input(guarded *g, int k, int n) {
     const double *x[4] = {g->s->v, g->s->a, g->s->tau, g->s->v};
     if (n == 6 * g->r->nb) return give(g, g->s->f_ext, n);
