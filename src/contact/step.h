@@ -229,8 +229,8 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
    penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
    may be huge: then those of rbdi_solve_first are the better beginning. A contact that jams, because
    friction presses it into the plane, cannot be lifted: what is left of the laws is as much as the
-   corrections ask for. Then positions move by c->nu too, without corrections, or the contact would creep
-   through the plane. */
+   corrections ask for. Then positions of all dofs move by c->nu, without corrections, or the contact would
+   creep through the plane. */
 RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     rbd_real asked;
