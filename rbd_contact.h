@@ -553,8 +553,8 @@ RBDI_CODE_BEGIN
    times more is an error that random trees see; a tenth is near rounding, and no test sees it: tried.
    RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten
    times more or less all tests pass as well: tried.
-   RBDI_JAMS: positions whose residual exceeds this share of the corrections have no solution. It is all of
-   them where a contact jams. */
+   RBDI_JAMS: positions whose residual exceeds this share of the corrections have no solution. Where a contact
+   jams the residual equals the corrections. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
@@ -2823,8 +2823,8 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
 /* Solves for c->nu with biases that differ from those of the positions by `asked` at most, m/s. If positions
    had no solution, their impulses may be huge: then those of rbdi_solve_first are the better beginning. A
    contact that jams, because friction presses it into the plane, cannot be lifted: what is left of the laws is
-   as much as the corrections ask for. Then positions move by c->nu too, without corrections, or the contact
-   would creep through the plane. */
+   as much as the corrections ask for. Then positions of all dofs move by c->nu, without corrections, or the
+   contact would creep through the plane. */
 RBDI_LOCAL void rbdi_solve_apart(const rbd_model *m, rbd_contact_set *c, rbd_real asked) {
     const rbd_contact_solution first = c->solver.solution;
     const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
