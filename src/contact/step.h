@@ -132,8 +132,8 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     rbdi_contact_respond(m, c, c->x[RBDI_X_UNCORRECTED], c->moved);
 }
 
-/* Corrects the velocity terms for the first time: c->x[RBDI_X_CORRECTED], and c->moved with the impulses as they are.
-   Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns.
+/* Corrects the velocity terms for the first time: c->x[RBDI_X_CORRECTED], and c->moved with the impulses as
+   they are. Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns.
    Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
