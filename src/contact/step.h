@@ -133,8 +133,8 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
 }
 
 /* Corrects the velocity terms for the first time: c->x[RBDI_X_CORRECTED], and c->moved with the impulses as
-   they are. Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns.
-   Speeds count as the solver's tolerance at least. */
+   they are. Returns whether velocities change by more than rounding: they do not at rest, or where nothing
+   turns. Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
     rbd_real *change = c->rows->x;
@@ -246,9 +246,9 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
 
 /* Solves for c->nu with biases that differ from those of the positions by `asked` at most, m/s. If positions
    had no solution, their impulses may be huge: then those of rbdi_solve_first are the better beginning. A
-   contact that jams, because friction presses it into the plane, cannot be lifted: what is left of the laws is
-   as much as the corrections ask for. Then positions of all dofs move by c->nu, without corrections, or the
-   contact would creep through the plane. */
+   contact that jams, because friction presses it into the plane, cannot be lifted: what is left of the laws
+   is as much as the corrections ask for. Then positions of all dofs move by c->nu, without corrections, or
+   the contact would creep through the plane. */
 RBDI_LOCAL void rbdi_solve_apart(const rbd_model *m, rbd_contact_set *c, rbd_real asked) {
     const rbd_contact_solution first = c->solver.solution;
     const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
