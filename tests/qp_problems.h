@@ -73,7 +73,7 @@ typedef struct judgement {
 } judgement;
 
 static void note(judgement *worst, const char *condition, int at, double by, double terms) {
-    const double share = by > 0 ? by / terms : by == by ? 0 : HUGE_VAL;
+    const double share = by > 0 ? larger(0, by / terms) : by == by ? 0 : HUGE_VAL;
     if (!(share > worst->share)) return;
     worst->share = share;
     worst->condition = condition;

@@ -1006,7 +1006,6 @@ START_TEST(slight_contradictions_are_inaccurate) {
 }
 END_TEST
 
-/* Without a value to lower, x is the nearest place to 0, to rounding. */
 /* x0 >= gap and x0 + angle x1 <= 0 meet at x1 = -gap / angle, which is nearer than the optimum without rows.
    The rows are too nearly parallel to be solved; but that is no contradiction. */
 START_TEST(rows_that_meet_within_reach_contradict_nothing) {
@@ -1042,6 +1041,7 @@ START_TEST(a_bound_of_zero_holds_but_for_rounding) {
 }
 END_TEST
 
+/* Without a value to lower, x is the nearest place to 0, to rounding. */
 START_TEST(rows_alone_are_met) {
     const double row[3] = {0.1, 0.7, 1. / 3}, square = 0.01 + 0.49 + 1. / 9;
     rbd_qp_problem p = problem_of(3, 0, 1);
