@@ -424,7 +424,8 @@ static rbd_qp_problem stiff_problem(double decades) {
 /* x and lambda to rounding: active rows hold as shares of their length and x, the gradient of its largest
    term, and the values that the solver keeps of all rows are those of this x. */
 static void check_to_rounding(const rbdi_qp *s, const rbd_qp_problem *p, int number) {
-    const long double epsilon = sizeof(rbd_real) == 4 ? 0x1p-23L : 0x1p-52L, far = largest_of(x, p->n);
+    const long double epsilon = sizeof(rbd_real) == 4 ? 0x1p-23L : 0x1p-52L;
+    const long double far = (long double)largest_of(x, p->n);
     long double largest = 0, worst = 0;
 
     for (int row = 0; row < p->rows; row++) {
