@@ -33,8 +33,8 @@
 #define RBDI_ACTUATOR_UNLIMITED RBD_C(1e15) /* A: of a motor without limit of current */
 #define RBDI_ACTUATOR_MOST_MOTORS 1000
 #define RBDI_ACTUATOR_MOST_DELAY 1000
-#define RBDI_ACTUATOR_REPEATS 50        /* of a step: random robots take 30 at most */
-#define RBDI_ACTUATOR_SEARCHES 20       /* beyond one for each shaft: random robots take 12 at most */
+#define RBDI_ACTUATOR_REPEATS 50        /* of a step; a few steps of random robots need more */
+#define RBDI_ACTUATOR_SEARCHES 20       /* beyond one for each shaft; nearly all need 3 at most */
 #define RBDI_ACTUATOR_HALVINGS 40       /* that find the least value on a way: to 1e-12 of it */
 #define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_BEND RBD_C(1e-3)  /* see [laws of shafts]: no steeper than float can compute */
