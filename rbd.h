@@ -5586,25 +5586,25 @@ RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int
     S[2] = rbdi_set(l->rho);
     S[5] = rbdi_set(l->kappa);
     rbdi_store_force(V, 1, w->scratch[i].U_D);
-    if (!(rbdi_flags(l) & (RBDI_SLIDES | RBDI_ARMATURE))) V[2] = rbdi_set(RBD_C(1));
+    if (!rbdi_keeps_row_z(rbdi_flags(l))) V[2] = rbdi_set(RBD_C(1));
 }
 
-/* K becomes P' K P + V G V', P = 1 - S V'. Returns e = S' K S. Multiplied out:
+/* K becomes P' K P + V G V', P = 1 - S V'. Returns s = S' K S. Multiplied out:
 
-       P' K P + V G V' = K - V (K S)' - (K S) V' + (e + G) V V' */
+       P' K P + V G V' = K - V (K S)' - (K S) V' + (s + G) V V' */
 RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rbd_real V[6], rbd_real G) {
-    rbd_real KS[6], e = rbdi_zero();
+    rbd_real KS[6], s = rbdi_zero();
 
     /* K S and S' K S */
     for (int i = 0; i < 6; ++i) {
         KS[i] = rbdi_zero();
         for (int j = 0; j < 6; ++j) KS[i] = KS[i] + K[i][j] * S[j];
-        e = e + S[i] * KS[i];
+        s = s + S[i] * KS[i];
     }
 
     for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) K[i][j] = K[i][j] + ((e + G) * V[i] - KS[i]) * V[j] - V[i] * KS[j];
-    return e;
+        for (int j = 0; j < 6; ++j) K[i][j] = K[i][j] + ((s + G) * V[i] - KS[i]) * V[j] - V[i] * KS[j];
+    return s;
 }
 
 /* Adds the rounding of a change of frame to three diagonal entries, from `first` on: a share of the largest
@@ -6076,8 +6076,9 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     q = rbdi_expand_q(m, w, q);
     l = m->link;
-    leaf =
-        last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path, and of no others */
+
+    /* a dof of the subtrees of all links on the path, and of no others */
+    leaf = last < 0 ? 0 : l[last].first;
 
     /* each run of links on the path, first .. end - 1. The links between do not move the body */
     for (int first = 0, end; first <= last; first = end) {

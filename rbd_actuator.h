@@ -49,13 +49,15 @@
      RBD_REPRODUCIBLE.
 
    [limits]
-     A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), or gives way as its
-     bristle says. The level of friction is that of the state before a step, and of the loads of the last one.
-     Steps settle by repeats, of which there are 50 at most. Cogging gives its own height of energy at most,
-     and a drive's speed gain dt kd v^2 / 8 in a step of second order in which a shaft turns around. Not
-     here: inductance, whose time constant is a millisecond or less, and the dynamics of the current's loop,
-     rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by temperature. That
-     actuators belong to another robot cannot be seen: no call but the first takes a model.
+     A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), in the step in which it
+     turns back by a thousandth of its speed, or gives way as its bristle says. The level of friction is that
+     of the state before a step, and of the loads of the last one. Steps settle by repeats, of which there are
+     50 at most. Cogging gives its own height of energy at most while teeth gear^2 cogging dt^2 is below twice
+     the inertia that the shaft moves, and a drive's kd up to dt kd v^2 / 8, v the speed before, in a step of
+     second order in which a shaft turns around. Not here: inductance, whose time constant is a millisecond or
+     less, and the dynamics of the current's loop, rods with mass, tendons with slack, hysteresis of
+     strain-wave gears, friction by temperature. That actuators belong to another robot cannot be seen: no
+     call but the first takes a model.
 */
 #include "rbd.h"
 
@@ -381,9 +383,10 @@ RBDI_EXTERN_C_END
    step of length dt the joint gets the impulse dt t, and a larger speed x never a larger t. Such laws make no
    energy whatever dt is.
 
-   A law is piecewise linear, t = s - slope x; dry friction is steep at x = 0. A step is told s and slope of
-   the piece at a point of speeds x_p. If each law has at the speeds that come out the torque that the step
-   was told, they are those of the laws themselves, exactly. Else the step is made again with another point.
+   A law is piecewise linear, t = start - slope x; dry friction is steep at x = 0. A step is told start and
+   slope of the piece at a point of speeds x_p. If each law has at the speeds that come out the torque that
+   the step was told, they are those of the laws themselves, exactly. Else the step is made again with another
+   point.
    This is Newton's method for the least value of a convex function: that of the joints' motion, which is
    quadratic, and for each shaft the integral of -t(x). From the second time on the point is where this
    function is least on the way from the last point to the new speeds. There, at the share c of the way d,
@@ -394,9 +397,9 @@ RBDI_EXTERN_C_END
    So the repeats end for all laws, however steep.
 
    Shafts that a transmission couples have slopes G' diag(slope) G, which are no diagonal, and what sticks is
-   no joint. So if there is a transmission, the motion of the joints is learnt for all shafts at once: T =
-   T_p + P (x - x_p) with a matrix P, which each repeat corrects. With P the same method finds the speeds of
-   all shafts without a step. The step is told the torques that belong to them, and a damping that is a
+   no joint. So if there is a transmission, the motion of the joints is learnt for all shafts at once:
+   T = T_p + P (x - x_p) with a matrix P, which each repeat corrects. With P the same method finds the speeds
+   of all shafts without a step. The step is told the torques that belong to them, and a damping that is a
    diagonal. P is kept from step to step. */
 
 #define RBDI_ACTUATOR_MOST RBD_C(1e9)     /* of a field, a command, q and v */
@@ -404,8 +407,8 @@ RBDI_EXTERN_C_END
 #define RBDI_ACTUATOR_UNLIMITED RBD_C(1e15) /* A: of a motor without limit of current */
 #define RBDI_ACTUATOR_MOST_MOTORS 1000
 #define RBDI_ACTUATOR_MOST_DELAY 1000
-#define RBDI_ACTUATOR_REPEATS 50        /* of a step; a few steps of random robots need more */
-#define RBDI_ACTUATOR_SEARCHES 20       /* beyond one for each shaft; nearly all need 3 at most */
+#define RBDI_ACTUATOR_REPEATS 50        /* of a step: few random robots need more */
+#define RBDI_ACTUATOR_SEARCHES 20       /* beyond one for each shaft */
 #define RBDI_ACTUATOR_HALVINGS 40       /* that find the least value on a way: to 1e-12 of it */
 #define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_BEND RBD_C(1e-3)  /* see [laws of shafts]: no steeper than float can compute */
@@ -441,7 +444,7 @@ typedef struct rbdi_act_shaft {
 
     /* of the step */
     rbd_command arrived;
-    rbd_real phi, x, bias; /* angle and speed of the joint's side at its beginning; G' v */
+    rbd_real phi, x, bias; /* angle and speed of the joint's side at its beginning; (dG/dt) v */
     rbd_real t, braking; /* the drive asks for the torque t - braking speed, at the speed of the step's end */
     rbd_real most;       /* N m: limit of the current */
     rbd_real stall, droop; /* limits of the voltage: stall - droop speed, -stall - droop speed */
@@ -453,7 +456,8 @@ typedef struct rbdi_act_shaft {
     rbd_real level;        /* of dry friction */
     rbd_real point, base;  /* the speed whose piece the step was told, and the joints' torque there */
     rbd_real start, slope; /* what it was told: the torque start - slope x */
-    rbd_real next, force;  /* the speed that came out, and the torque that the joints had there */
+    rbd_real next;         /* the speed that came out, or is foretold */
+    rbd_real force;        /* the torque that the joints have there */
 
     /* of the step, if there are transmissions */
     rbd_real seen_x, seen_T; /* see [coupled shafts] */
@@ -490,14 +494,14 @@ struct rbd_actuators {
     rbd_command *commands; /* n x ring */
 
     /* if there are transmissions, of all shafts: see [coupled shafts] */
-    int known;          /* whether there is a mass */
-    int pairs;          /* that this step told */
-    rbd_real *mass;     /* n x n, kg m^2 by the shafts' speeds */
-    rbd_real *system;   /* n x n: that is solved */
-    rbd_real *pair;     /* n x 2 x n: d_k, y_k of [learning] */
-    rbd_real *solution; /* n */
-    rbd_real rough;     /* rad/s: rounding of the speeds */
-    rbd_real heavy;     /* N m: rounding of the torques */
+    int known;                /* whether there is a mass */
+    int pairs;                /* that this step told */
+    rbd_real *mass;           /* n x n, kg m^2 by the shafts' speeds */
+    rbd_real *system;         /* n x n: that is solved */
+    rbd_real *pair;           /* n x 2 x n: d_k, y_k of [learning] */
+    rbd_real *solution;       /* n */
+    rbd_real speed_rounding;  /* rad/s */
+    rbd_real torque_rounding; /* N m */
 };
 
 #define RBDI_ACTUATORS_BYTES(n, groups, delay) \
@@ -686,8 +690,8 @@ RBDI_PART void rbdi_act_current_range(const rbd_motor *m, rbd_real winding, rbd_
    It is told at the speed x before the step and, where it holds the rotor back and d is within a radian, so
    that the torque changes evenly, implicit. The step's own way differs, and the work with it. The difference,
    s->lent, is paid back: above a tenth of a tooth's height, cogging has no torque in steps where it would add
-   to that. So what a rotor gains or loses is bounded for good: by a tooth's height in steps of up to 10 ms
-   (tests/test_actuator.c). */
+   to that. So what it gives beyond its potential is bounded by a tooth's height while teeth gear^2 cogging
+   dt^2 is below twice the inertia that the shaft moves (tests/test_actuator.c). */
 
 /* Torque of cogging at the shaft. */
 RBDI_PART rbd_real rbdi_act_cogging(const rbd_motor *m, rbd_real angle) {
@@ -1245,8 +1249,8 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
    what turned around, still = -turn, has w = RBDI_ACTUATOR_BEND turn more. A bristle of stiffness k that has
    the torque b makes dry = clamp(b + k dt x_m, -F, F).
 
-   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - phi, play 2
-   h, K = dt k + d, r = y - x_m the joint gets the impulse
+   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - phi,
+   play 2 h, K = dt k + d, r = y - x_m the joint gets the impulse
 
        p = max(0, dt k (delta - h) + dt K r) + min(0, dt k (delta + h) + dt K r)
        J (y - y_0) = dt (m(y) - viscous y) - p + p_f,   p_f = -dt F sign(y), or less at y = 0
@@ -1420,18 +1424,25 @@ RBDI_PART rbdi_act_piece rbdi_act_law(const rbd_motor *m, const rbdi_act_shaft *
     return piece;
 }
 
-/* By how much the joint's torque T at speed x is not that of the law, where the speed is known to a->rough. A
-   coupled shaft may have any torque within the level of friction while it sticks: there x is rounding. */
+/* The torque of a shaft's law at the speed x of its joint's side. */
+RBDI_PART rbd_real rbdi_act_law_at(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                   const rbd_actuators *a) {
+    return rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
+}
+
+/* By how much the joint's torque T at speed x is not that of the law, where the speed is known to
+   a->speed_rounding. A coupled shaft may have any torque within the level of friction while it sticks: there
+   x is rounding. */
 RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
                                 const rbd_actuators *a) {
     const int sticks = s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0);
     const rbd_real creep = sticks ? RBDI_ACTUATOR_CREEP * (1 + s->scale) : rbdi_zero();
-    const rbd_real slower = x - a->rough, faster = x + a->rough;
+    const rbd_real slower = x - a->speed_rounding, faster = x + a->speed_rounding;
     rbd_real least, most;
-    if (!(a->rough > 0)) return T - rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
+    if (!(a->speed_rounding > 0)) return T - rbdi_act_law_at(m, s, x, a);
     if (!sticks) {
-        least = rbdi_act_torque_of(rbdi_act_law(m, s, faster, a), faster);
-        most = rbdi_act_torque_of(rbdi_act_law(m, s, slower, a), slower);
+        least = rbdi_act_law_at(m, s, faster, a);
+        most = rbdi_act_law_at(m, s, slower, a);
     } else {
         least = rbdi_act_torque_of(rbdi_act_rigid_without(m, s, faster, a), faster) +
                 rbdi_act_torque_of(rbdi_act_dry(m, s, faster + creep, a), faster + creep);
@@ -1493,7 +1504,7 @@ RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
         const rbd_real d = s->next - s->point;
         const rbd_real x = s->point + c * d;
         const rbd_real T = s->base + c * (s->force - s->base);
-        sum = sum + (T - rbdi_act_torque_of(rbdi_act_law(&a->motor[i], s, x, a), x)) * d;
+        sum = sum + (T - rbdi_act_law_at(&a->motor[i], s, x, a)) * d;
     }
     return sum;
 }
@@ -1585,17 +1596,17 @@ RBDI_LOCAL void rbdi_act_note_group(const rbd_actuators *a, const rbdi_act_group
    joints. The size of a coupled shaft's torque is that of its law, of what its joints were told, and of their
    momentum. */
 RBDI_LOCAL void rbdi_act_note_rounding(rbd_actuators *a) {
-    a->rough = a->heavy = rbdi_zero();
+    a->speed_rounding = a->torque_rounding = rbdi_zero();
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
         if (s->dof >= 0) s->scale = rbdi_abs(s->next);
         if (s->dof >= 0) s->size = rbdi_zero();
-        a->rough = a->rough + RBDI_ACTUATOR_ROUNDING * s->scale;
+        a->speed_rounding = a->speed_rounding + RBDI_ACTUATOR_ROUNDING * s->scale;
     }
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
         s->size = s->size + rbdi_act_size(&a->motor[i], s, a);
-        a->heavy = a->heavy + RBDI_ACTUATOR_ROUNDING * s->size;
+        a->torque_rounding = a->torque_rounding + RBDI_ACTUATOR_ROUNDING * s->size;
         if (s->dof >= 0) continue;
         s->size = s->size + s->smooth * s->scale;
         for (int k = 0; k < a->n && a->known; ++k)
@@ -1672,7 +1683,7 @@ RBDI_LOCAL int rbdi_act_pieces_hold(const rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *m = &a->motor[i];
         const rbdi_act_shaft *s = &a->shaft[i];
-        const rbd_real law = rbdi_act_torque_of(rbdi_act_law(m, s, s->next, a), s->next);
+        const rbd_real law = rbdi_act_law_at(m, s, s->next, a);
         const rbd_real off = rbdi_abs(s->start - s->slope * s->next - law);
         if (off > RBDI_ACTUATOR_SETTLED * rbdi_act_size(m, s, a)) return 0;
     }
@@ -1719,7 +1730,7 @@ RBDI_INLINE rbd_real rbdi_act_dot(const rbd_real *x, const rbd_real *y, int n) {
 }
 
 /* A first guess of the mass, a diagonal in kg m^2: the impulse of the step over the largest change of speed
-   that it can have made. The least torque, 1e-3 N m, keeps it above 0. */
+   that it can have made. No pair tells of it. The least torque, 1e-3 N m, keeps it above 0. */
 RBDI_LOCAL void rbdi_act_guess_mass(rbd_actuators *a) {
     for (int i = 0; i < a->n * a->n; ++i) a->mass[i] = rbdi_zero();
     for (int i = 0; i < a->n; ++i) {
@@ -1728,6 +1739,7 @@ RBDI_LOCAL void rbdi_act_guess_mass(rbd_actuators *a) {
         const rbd_real torque = rbdi_abs(s->force) + s->level + RBD_C(1e-3);
         a->mass[(a->n + 1) * i] = a->dt * torque / change + rbdi_act_rotor_inertia(&a->motor[i]);
     }
+    a->pairs = 0;
     a->known = 1;
 }
 
@@ -1737,10 +1749,9 @@ RBDI_LOCAL void rbdi_act_add_square(rbd_actuators *a, rbd_real factor, const rbd
         for (int j = 0; j < a->n; ++j) a->mass[a->n * i + j] = a->mass[a->n * i + j] + factor * x[i] * x[j];
 }
 
-/* a->solution = M d. Returns d'M d. */
-RBDI_LOCAL rbd_real rbdi_act_move_mass(const rbd_actuators *a, const rbd_real *d) {
+/* a->solution = M d. */
+RBDI_LOCAL void rbdi_act_mass_times(const rbd_actuators *a, const rbd_real *d) {
     for (int i = 0; i < a->n; ++i) a->solution[i] = rbdi_act_dot(a->mass + a->n * i, d, a->n);
-    return rbdi_act_dot(d, a->solution, a->n);
 }
 
 /* The pair (d, y) of the last repeat. */
@@ -1771,7 +1782,8 @@ RBDI_LOCAL void rbdi_act_stiffen(rbd_actuators *a) {
     rbd_real *d = a->pair, work;
     a->pairs = 0;
     for (int i = 0; i < a->n; ++i) d[i] = a->shaft[i].point - a->shaft[i].seen_x;
-    work = rbdi_act_move_mass(a, d);
+    rbdi_act_mass_times(a, d);
+    work = rbdi_act_dot(d, a->solution, a->n);
     if (work > 0) rbdi_act_add_square(a, 9 / work, a->solution);
 }
 
@@ -1783,7 +1795,8 @@ RBDI_LOCAL void rbdi_act_learn(rbd_actuators *a) {
     rbd_real work, square;
     rbdi_act_take_pair(a, d, y);
     work = rbdi_act_dot(d, y, n);
-    if (!(rbdi_act_dot(d, d, n) > RBDI_ACTUATOR_ACROSS * a->rough * a->rough) || !(work > 0)) {
+    if (!(rbdi_act_dot(d, d, n) > RBDI_ACTUATOR_ACROSS * a->speed_rounding * a->speed_rounding) ||
+        !(work > 0)) {
         rbdi_act_stiffen(a);
         return;
     }
@@ -1796,7 +1809,8 @@ RBDI_LOCAL void rbdi_act_learn(rbd_actuators *a) {
         rbdi_act_take_pair(a, d, y);
     }
 
-    square = rbdi_act_move_mass(a, d);
+    rbdi_act_mass_times(a, d);
+    square = rbdi_act_dot(d, a->solution, n);
     rbdi_act_add_square(a, 1 / rbdi_act_dot(d, y, n), y);
     rbdi_act_add_square(a, -1 / square, a->solution);
     a->pairs = (a->pairs + 1) % n;
@@ -1821,7 +1835,7 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     a->air = air;
     a->begun = 0;
     a->repeats = a->noted = a->pairs = 0;
-    a->rough = a->heavy = rbdi_zero();
+    a->speed_rounding = a->torque_rounding = rbdi_zero();
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         s->angle = s->phi;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
@@ -1960,7 +1974,7 @@ RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
         const rbdi_act_shaft *s = &a->shaft[i];
         const rbd_real bound =
             s->dof < 0 ? RBDI_ACTUATOR_SETTLED * s->size : RBDI_ACTUATOR_ROUNDING * rbdi_act_size(m, s, a);
-        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > bound + a->heavy) return 0;
+        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > bound + a->torque_rounding) return 0;
     }
     return 1;
 }
@@ -2368,13 +2382,14 @@ RBDI_LOCAL rbd_actuators *rbdi_act_lay_actuators(const rbd_model *m, const rbd_m
                                                  int groups, int ring, void *memory) {
     unsigned char *at = rbdi_aligned(memory);
     rbd_actuators *a = RBDI_CUT(rbd_actuators, 1);
+    const int all = groups ? n : 0; /* shafts of which the motion is learnt */
     a->shaft = RBDI_CUT(rbdi_act_shaft, n);
     a->group = RBDI_CUT(rbdi_act_group, groups);
     a->commands = RBDI_CUT(rbd_command, n * ring);
-    a->mass = RBDI_CUT(rbd_real, groups ? (4 * n + 1) * n : 0);
-    a->system = a->mass + n * n;
-    a->pair = a->system + n * n;
-    a->solution = a->pair + 2 * n * n;
+    a->mass = RBDI_CUT(rbd_real, (4 * all + 1) * all);
+    a->system = a->mass + all * all;
+    a->pair = a->system + all * all;
+    a->solution = a->pair + 2 * all * all;
     a->motor = motors;
     a->n = n;
     a->groups = groups;

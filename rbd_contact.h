@@ -490,12 +490,16 @@ struct rbd_contact_set {
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
     rbd_real *centre;        /* nv: with `momentum`, centres of mass at q_mid, at the first dofs of roots */
     rbd_real *momentum;      /* nv: wanted at the end, of roots that fly */
-    rbd_real *x[3];          /* nv each: L^-T dt (tau - c - damping v_mid), c corrected so many times */
+    rbd_real *x[3];          /* nv each: L^-T dt (tau - ID - damping v_mid), see below */
     rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
     rbd_real half, way;      /* times for which v moves q, and then the solution does: dt/2 each */
     rbd_real *sigma;         /* of derivatives: max_rows x nv, then [step derivatives code]; NULL = none */
     rbdi_contact_solver solver;
 };
+
+/* Indices of x, by the velocities of the velocity terms in it: v_mid, the mean of the first solution, that of
+   the solution after it. */
+enum { RBDI_X_UNCORRECTED, RBDI_X_CORRECTED, RBDI_X_CORRECTED_TWICE };
 
 /* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows, of which limits and
    bounded rows take `dof_bytes`. nq <= 2 nv. */
@@ -549,8 +553,8 @@ RBDI_CODE_BEGIN
    times more is an error that random trees see; a tenth is near rounding, and no test sees it: tried.
    RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten
    times more or less all tests pass as well: tried.
-   RBDI_JAMS: positions whose residual exceeds this share of the corrections have no solution. It is all of
-   them where a contact jams. */
+   RBDI_JAMS: positions whose residual exceeds this share of the corrections have no solution. Where a contact
+   jams the residual equals the corrections. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
@@ -967,9 +971,12 @@ RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
         rbdi_contact_unknown *x;
-        for (int j = 0; j < 3 && law->state == RBD_STICKS; ++j)
-            (void)rbdi_new_unknown(s, 3 * i + j, 1, j < 2 ? law->trace : rbdi_normal_scale(law));
+        if (law->state == RBD_STICKS)
+            for (int j = 0; j < 3; ++j)
+                (void)rbdi_new_unknown(s, 3 * i + j, 1, j < 2 ? law->trace : rbdi_normal_scale(law));
         if (law->state != RBD_SLIPS) continue;
+
+        /* mu e + n, and u_n = 0 */
         s->symmetric = 0;
         x = rbdi_new_unknown(s, 3 * i, 3, rbdi_normal_scale(law));
         x->column[0] = law->friction * law->e[0];
@@ -977,13 +984,17 @@ RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
         x->row[0] = rbdi_zero();
         x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
         if (!(law->friction > 0)) continue;
+
+        /* t, and t'u + alpha t'p = 0 */
         x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
         x->column[0] = x->row[0] = -law->e[1];
         x->column[1] = x->row[1] = law->e[0];
         x->alpha = law->alpha;
     }
+
     for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
         if (s->bound[i] == RBD_STICKS) (void)rbdi_new_unknown(s, r, 1, s->given.delta[r * s->rows + r]);
+
     s->stride = (s->unknowns + s->sides + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
 }
 
@@ -1046,6 +1057,7 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
         best = g;
         largest = size;
     }
+
     for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
         const rbd_real old = own[j];
         own[j] = best[j];
@@ -1063,6 +1075,7 @@ RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s) {
         const int from = k / RBDI_BATCH * RBDI_BATCH;
         rbd_real inverse;
         if (!rbdi_newton_pivot(s, k)) return 0;
+
         inverse = 1 / own[k];
         for (int i = k + 1; i < n; ++i) {
             rbd_real *g = &s->G[i * stride];
@@ -1093,7 +1106,9 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s) {
 /* Replaces the right-hand sides by dx. Returns 0 if G is singular. */
 RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s) {
     const int n = s->unknowns, stride = s->stride, sides = s->sides;
+
     if (!(s->symmetric ? rbdi_newton_cholesky(s) : rbdi_newton_gauss(s))) return 0;
+
     for (int k = n - 1; k >= 0; --k) {
         rbd_real *g = &s->G[k * stride];
         const rbd_real *x = g + stride + n;
@@ -1136,9 +1151,11 @@ RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *fr
 RBDI_PART int rbdi_full_step(rbdi_contact_solver *s, rbd_const proximal) {
     rbdi_onto_cones(s);
     rbdi_contact_velocities(s);
+
     rbdi_list_unknowns(s);
     rbdi_newton_matrix(s, proximal, s->u);
     if (!rbdi_newton_solve(s)) return 0;
+
     rbdi_add_increments(s, s->p);
     rbdi_copy_rows(s, s->p, s->full);
     return 1;
@@ -1164,6 +1181,7 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
                     shorter[4] = {RBD_C(1), RBD_C(1), RBD_C(0.3), RBD_C(0.09)};
     const rbd_real before = s->solution.residual;
     rbdi_copy_rows(s, s->p, s->start);
+
     for (int i = rbdi_full_step(s, proximal) ? 0 : 4; i < 4; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
         for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->full[r] - s->start[r]) * share;
@@ -1171,6 +1189,7 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
         rbdi_contact_residual(s);
         if (s->solution.residual < before * gain[i]) return 1;
     }
+
     rbdi_copy_rows(s, s->start, s->p);
     rbdi_contact_residual(s);
     return 0;
@@ -1239,8 +1258,9 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     rbdi_contact_velocities(s);
     rbdi_sweep_back_and_forth(s, 1);
 
-    while (s->solution.residual > s->given.tolerance || !rbdi_contact_end(s)) {
+    for (;;) {
         int tried = 0;
+        if (!(s->solution.residual > s->given.tolerance) && rbdi_contact_end(s)) return;
 
         if (s->solution.residual < least) {
             least = s->solution.residual;
@@ -1489,7 +1509,9 @@ RBDI_LOCAL int rbdi_paths_to(const rbd_model *m, const rbd_constraint_set *s, co
 RBDI_LOCAL void rbdi_write_bounded(const rbd_contact_set *c, const rbdi_bounded_row *row) {
     const rbd_contact_row *law = &row->law;
     rbd_constraint_set *s = c->rows;
-    for (int j = 0; row->row >= 0 && j < law->dofs; ++j) {
+    if (row->row < 0) return;
+
+    for (int j = 0; j < law->dofs; ++j) {
         s->Y[law->dof[j] * s->stride + row->row] = law->jacobian[j];
         s->velocity[row->row] = s->velocity[row->row] + law->jacobian[j] * c->v_mid[law->dof[j]];
     }
@@ -1869,7 +1891,7 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 /* ==== src/contact/rows.h ==== */
 /* ---- contact rows [contact rows] ----
    The rows of a step: contacts first, three each, then held constraints, limits, bounded rows. By the factor
-   M + dt damping = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c - damping v):
+   M + dt damping = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - ID - damping v):
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
@@ -1878,10 +1900,10 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 
        u = J nu + dt/2 gamma,   gamma = dJ/dt v with classical accelerations 0
 
-   The place of contact is l below the centre c of a ball, against the normal n, and moves over the body. With
-   the motion of the body relative to the plane, c has velocity v_c and acceleration a_c, and
+   The place of contact is l below the centre of a ball, against the normal n, and moves over the body. With
+   the motion of the body relative to the plane, the centre has velocity v and acceleration a, and
 
-       u = v_c - l omega x n,   gamma = a_c - l domega/dt x n - l' omega x n
+       u = v - l omega x n,   gamma = a - l domega/dt x n - l' omega x n
 
    Of a ball, or of a point, l is the radius, and l' = 0: the point of a wheel accelerates upward, its gap
    does not. This is where an impact acts. But places of one body at different heights over a plane have
@@ -2025,6 +2047,7 @@ RBDI_LOCAL int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_
     rbd_constraint_set *s = c->rows;
     const rbd_real dt = c->dt, ratio = dt / c->last_dt;
     int place = 0, contacts;
+
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     s->rows = 0;
 
@@ -2139,6 +2162,7 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
     rbd_real *delta = s->R;
+
     rbdi_bound_noise(m, s);
     for (const rbdi_constraint *con = s->constraint; con < s->constraint + s->n; ++con)
         if (con->row >= 0) rbdi_delta(s, con->dof, con->dofs, con->row, con->rows);
@@ -2151,13 +2175,18 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
         if (row->row >= 0) rbdi_delta(s, s->path, rbdi_paths_to(m, s, &row->law), row->row, 1);
     }
     rbdi_close_up(delta, s->stride, n);
+
     for (int r = 0; r < n; ++r)
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
-    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
-        for (int j = 0; j < 2 && contact->row >= 0; ++j) {
+
+    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        if (contact->row < 0) continue;
+        for (int j = 0; j < 2; ++j) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
             *d = *d + RBD_C(c->options.slip) / c->dt;
         }
+    }
+
     for (const rbdi_bounded_row *row = c->bound; row < c->bound + c->bounds; ++row)
         if (row->row >= 0) delta[row->row * (n + 1)] = delta[row->row * (n + 1)] + row->law.compliance;
 }
@@ -2222,6 +2251,7 @@ RBDI_INLINE rbdi_bias rbdi_rigid_bias(const rbd_contact_set *c, int purpose, con
     const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), least = -slop * RBDI_LEFT_OF_SLOP,
                    made = gap->reach - gap->start, deeper = gap->start + slop;
     rbdi_bias x = rbdi_no_bias();
+
     if (!(gap->reach <= 0)) {
         x.value = gap->reach * inverse;
         x.by_reach = inverse;
@@ -2269,8 +2299,10 @@ RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_con
     rbd_real square = gap->rate * gap->rate, share;
     rbdi_bias x = rbdi_no_bias();
     if (gap->rate > 0) return rbdi_leaving_bias(gap);
+
     if (further) square = square - 2 * gap->start * contact->falls / c->dt;
     x.value = -contact->restitution * rbdi_sqrt(square);
+
     share = contact->restitution * contact->restitution / x.value;
     x.by_rate = share * gap->rate;
     if (further) {
@@ -2319,12 +2351,14 @@ RBDI_LOCAL rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int r
                    over = rbdi_abs(gap.start) - slop, share = RBD_C(c->options.correction) * inverse;
     rbdi_bias x = rbdi_no_bias();
     if (purpose != RBDI_FOR_POSITIONS) return x;
+
     if (rbdi_abs(made) > slop * RBDI_LEFT_OF_SLOP) {
         x.value = made * inverse;
         x.by_reach = inverse;
         x.by_start = -inverse;
     }
     if (!(over > 0)) return x;
+
     x.value = x.value + share * (gap.start > 0 ? over : -over);
     x.by_start = x.by_start + share;
     return x;
@@ -2419,7 +2453,8 @@ RBDI_LOCAL int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rb
 
     for (int i = 0; i < c->bounds; ++i) {
         const rbd_contact_row *law = &c->bound[i].law;
-        for (int j = 0; j < law->dofs && c->bound[i].row >= 0; ++j)
+        if (c->bound[i].row < 0) continue;
+        for (int j = 0; j < law->dofs; ++j)
             if (law->dof[j] >= u->iv && law->dof[j] < u->iv + 6) return 0;
     }
     return 1;
@@ -2551,10 +2586,10 @@ RBDI_LOCAL void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set 
    by v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and
    makes the other half of the way:
 
-       K = M + A + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
+       K = M + A + dt d,   nu = v_mid + K^-1 (dt (tau - ID(q_mid, at, a(at)) - d v_mid) + J' p)
 
-   with the matrix A that the caller adds, the damping d, and the accelerations a(w) of [straight moves]. The
-   velocity terms are those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu
+   with the matrix A that the caller adds, the damping d, and the accelerations a(at) of [straight moves]. The
+   velocity terms are those of the mean velocity: first at = v_mid, then twice at = (v_mid + nu) / 2 of the nu
    before. Contacts are solved for the first and the last time; the nu between has the impulses of the first.
    Without these, light links that the ground holds would race away. For a vector that turns by x a step the
    length grows in order x^4 / 8 with one correction, and falls in that order with two; from x = 1.4 on
@@ -2586,13 +2621,15 @@ RBDI_LOCAL rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, 
     return doubt;
 }
 
-/* The middle of the step (or, with c->half = 0, its beginning): state, rows, factor, and c->x[0]. */
+/* The middle of the step (or, with c->half = 0, its beginning): state, rows, factor, and x without
+   corrections. */
 RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
+
     if (c->added && !rbdi_all_finite(c->added, m->nh)) return RBD_ERR_NAN;
 
     rbdi_move_joints(m, c->points, q, v, v, c->half, c->q_mid, c->v_mid);
@@ -2605,11 +2642,11 @@ RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, co
 
     if (c->options.momentum) rbdi_note_centres(m, c);
     doubt = rbdi_factor_damped(m, c, damping);
-    rbdi_free_impulse(m, c, tau, c->x[0]);
-    return rbdi_factor_status(m, w, w->H, doubt, c->x[0], m->nv);
+    rbdi_free_impulse(m, c, tau, c->x[RBDI_X_UNCORRECTED]);
+    return rbdi_factor_status(m, w, w->H, doubt, c->x[RBDI_X_UNCORRECTED], m->nv);
 }
 
-/* x of the velocity terms c(w), w = (v_mid + nu) / 2 in c->at. */
+/* x of the velocity terms of at = (v_mid + nu) / 2, in c->at. */
 RBDI_LOCAL void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu, const rbd_real *tau,
                              const rbd_real *f_ext, rbd_real *x) {
     rbd_work *w = c->rows->w;
@@ -2622,7 +2659,9 @@ RBDI_LOCAL void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_r
     rbdi_free_impulse(m, c, tau, x);
 }
 
-/* nu of x and the impulses, by (4). */
+/* nu of x and the impulses p:
+
+       nu = v_mid + L^-1 D^-1 (x + Y p) */
 RBDI_LOCAL void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, const rbd_real *x,
                                      rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
@@ -2631,17 +2670,10 @@ RBDI_LOCAL void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, con
     for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
 }
 
-/* Solves for the first time, by c->x[0] and with these biases. Computes c->moved. */
-RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose) {
-    rbd_constraint_set *s = c->rows;
+/* Gives the rows of the step to the solver, with biases, springs, and the impulses to begin with. */
+RBDI_LOCAL void rbdi_pose_problem(rbd_contact_set *c, int purpose) {
+    const rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
-    for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[0][k];
-    if (s->rows > 0) {
-        rbdi_reduce_rows(m, s, s->w->H);
-        rbdi_write_delta(m, c);
-    }
-    rbdi_find_falls(c);
-    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, purpose);
 
     given.contacts = c->contacts;
@@ -2653,23 +2685,40 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     given.upper = c->upper;
     given.tolerance = RBD_C(c->options.tolerance);
     given.iterations = c->options.iterations;
+
     rbdi_contact_begin(&c->solver, &given, s->lambda);
     if (purpose == RBDI_FOR_VELOCITIES) c->solver.given.tolerance = c->solver.given.tolerance * RBDI_LOOSE;
     rbdi_add_springs(c);
-    rbdi_contact_iterate(&c->solver);
-    rbdi_contact_respond(m, c, c->x[0], c->moved);
 }
 
-/* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are.
-   Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns.
+/* Solves for the first time, without corrections and with these biases. Computes c->moved. */
+RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose) {
+    rbd_constraint_set *s = c->rows;
+
+    for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[RBDI_X_UNCORRECTED][k];
+    if (s->rows > 0) {
+        rbdi_reduce_rows(m, s, s->w->H);
+        rbdi_write_delta(m, c);
+    }
+    rbdi_find_falls(c);
+    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
+
+    rbdi_pose_problem(c, purpose);
+    rbdi_contact_iterate(&c->solver);
+    rbdi_contact_respond(m, c, c->x[RBDI_X_UNCORRECTED], c->moved);
+}
+
+/* Corrects the velocity terms for the first time: c->x[RBDI_X_CORRECTED], and c->moved with the impulses as
+   they are. Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns.
    Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
     rbd_real *change = c->rows->x;
     rbd_real changes = rbdi_zero();
     rbd_real speeds = c->solver.given.tolerance;
-    rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
-    for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
+
+    rbdi_correct(m, c, c->moved, tau, f_ext, c->x[RBDI_X_CORRECTED]);
+    for (int k = 0; k < m->nv; ++k) change[k] = c->x[RBDI_X_CORRECTED][k] - c->x[RBDI_X_UNCORRECTED][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);
 
     for (int k = 0; k < m->nv; ++k) {
@@ -2680,16 +2729,18 @@ RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const 
     return !(changes <= RBDI_EPS * speeds);
 }
 
-/* Corrects them again: c->x[2], and the velocities without impulses. */
+/* Corrects them again: c->x[RBDI_X_CORRECTED_TWICE], and the velocities without impulses. */
 RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                    const rbd_real *f_ext) {
     rbd_constraint_set *s = c->rows;
-    rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
-    rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
+    rbdi_correct(m, c, c->moved, tau, f_ext, c->x[RBDI_X_CORRECTED_TWICE]);
+    rbdi_guard_solution(m, s->w->H, c->x[RBDI_X_UNCORRECTED], c->x[RBDI_X_CORRECTED],
+                        c->x[RBDI_X_CORRECTED_TWICE]);
 
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
-        rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
+        rbdi_subtract(&s->b[span.first],
+                      (c->x[RBDI_X_CORRECTED_TWICE][k] - c->x[RBDI_X_UNCORRECTED][k]) * s->D_inverse[k],
                       &s->Y[k * s->stride + span.first], span.end - span.first);
     }
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
@@ -2705,7 +2756,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     if (changed)
         rbdi_correct_again(m, c, tau, f_ext);
     else
-        for (int k = 0; k < m->nv; ++k) c->x[2][k] = c->x[1][k];
+        for (int k = 0; k < m->nv; ++k) c->x[RBDI_X_CORRECTED_TWICE][k] = c->x[RBDI_X_CORRECTED][k];
 
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
@@ -2718,7 +2769,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     }
 
     /* anew: a change that c->moved rounds away would be missing in each step */
-    rbdi_contact_respond(m, c, c->x[2], c->moved);
+    rbdi_contact_respond(m, c, c->x[RBDI_X_CORRECTED_TWICE], c->moved);
 }
 
 /* Chooses the scheme: half of the way by v, or all of it by the solution. */
@@ -2753,52 +2804,64 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
     c->last_dt = c->dt;
     rbdi_clear(c->impulse, c->max_rows);
     for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
+
     for (int i = 0; i < c->n; ++i) {
         rbdi_contact *contact = &c->contact[i];
         rbdi_v3 impulse;
         rbdi_clear(contact->force, 3);
         if (contact->row < 0) continue;
+
         contact->state = c->solver.law[contact->row / 3].state;
         contact->pushes |= s->lambda[contact->row + 2] > 0;
         impulse = rbdi_contact_vector(s, &s->constraint[i], &s->lambda[contact->row]);
         rbdi_store_vec(contact->force, 1, rbdi_scale(inverse, impulse));
     }
+
     for (int i = 0; i < c->bounds; ++i) rbdi_keep_bounded(c, &c->bound[i]);
 }
 
-/* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
-   may be huge: then those of rbdi_solve_first are the better beginning. A contact that jams, because
-   friction presses it into the plane, cannot be lifted: what is left of the laws is as much as the
-   corrections ask for. Then positions move by c->nu too, without corrections, or the contact would creep
-   through the plane. */
-RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
+/* Solves for c->nu with biases that differ from those of the positions by `asked` at most, m/s. If positions
+   had no solution, their impulses may be huge: then those of rbdi_solve_first are the better beginning. A
+   contact that jams, because friction presses it into the plane, cannot be lifted: what is left of the laws is
+   as much as the corrections ask for. Then positions of all dofs move by c->nu, without corrections, or the
+   contact would creep through the plane. */
+RBDI_LOCAL void rbdi_solve_apart(const rbd_model *m, rbd_contact_set *c, rbd_real asked) {
     const rbd_contact_solution first = c->solver.solution;
-    rbd_real asked;
+    const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
+
+    for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
+    rbdi_contact_iterate(&c->solver);
+    rbdi_contact_respond(m, c, c->half > 0 ? c->x[RBDI_X_CORRECTED_TWICE] : c->x[RBDI_X_UNCORRECTED], c->nu);
+
+    c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
+    for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
+
+    c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
+    c->solver.solution.sweeps += first.sweeps;
+    c->solver.solution.newton_steps += first.newton_steps;
+}
+
+/* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
+   penetration was corrected, or a contact that pushed rebounds. */
+RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     int finite = rbdi_all_finite(c->b, c->rows->rows) && rbdi_all_finite(c->q_mid, m->nq);
+    rbd_real asked;
+
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     asked = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     c->differ = asked > 0;
     c->jams = 0;
-    if (c->differ) {
-        const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
-        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
-        rbdi_contact_iterate(&c->solver);
-        rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
-        c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
-        for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
-        c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
-        c->solver.solution.sweeps += first.sweeps;
-        c->solver.solution.newton_steps += first.newton_steps;
-    }
+    if (c->differ) rbdi_solve_apart(m, c, asked);
     rbdi_keep_impulses(c);
+
     for (int k = 0; k < m->nv; ++k)
         finite &= rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST;
     for (int i = 0; i < c->n; ++i) {
         finite &= rbdi_all_finite(c->contact[i].force, 3);
         finite &= rbdi_all_finite(&c->contact[i].gap.start, 1);
     }
+
     return finite ? RBD_OK : RBD_ERR_NAN;
 }
 
@@ -2815,9 +2878,13 @@ RBDI_LOCAL rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, co
 /* Writes the state after the step; after an error, q and v = 0. */
 RBDI_LOCAL void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                                   const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
-    if (!status) rbdi_move_joints(m, c->points, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
-    for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
-    if (status) rbdi_clear(v_next, m->nv);
+    if (!status) {
+        rbdi_move_joints(m, c->points, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
+        return;
+    }
+
+    for (int k = 0; k < m->nq; ++k) q_next[k] = q[k];
+    rbdi_clear(v_next, m->nv);
 }
 
 RBDI_LOCAL rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
@@ -3242,7 +3309,7 @@ RBDI_LOCAL void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c,
     for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
     if (!any) return;
 
-    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[0][k];
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[RBDI_X_UNCORRECTED][k];
     rbdi_solve_forward(m, w, w->H, 1, 1, 1, nu);
     for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
     rbdi_write_rho(m, c, d, nu, f_ext, NULL, dnu);
@@ -3315,8 +3382,10 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
         if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);
     if (!status && !solved) status = RBD_ERR_SINGULAR;
     if (status) rbd_contact_reset(c);
-    for (int x = 0; status && x < 3; ++x)
-        if (by.dq[x]) rbdi_clear(by.dq[x], size), rbdi_clear(by.dv[x], size);
+    for (int x = 0; x < 3; ++x)
+        if (status && by.dq[x]) rbdi_clear(by.dq[x], size);
+    for (int x = 0; x < 3; ++x)
+        if (status && by.dv[x]) rbdi_clear(by.dv[x], size);
     if (to.q_next) rbdi_contact_move(m, c, status, q, to.q_next, to.v_next);
     return status;
 }

@@ -1091,7 +1091,8 @@ RBDI_PART void rbdi_est_solve_friction(const rbd_estimate *e, int i, rbd_joint_f
     f->offset = (z[0] - T[1] * f->coulomb - T[2] * f->viscous) / T[0];
 }
 
-/* The variance of u'F p, |load'^-1 F'u|^2, of a payload p with the triangle `load`. F: of a dof's triangle T. */
+/* The variance of u'F p, |load'^-1 F'u|^2, of a payload p with the triangle `load`. F: of a dof's triangle
+   T. */
 RBDI_PART rbd_real rbdi_est_load_variance(const rbd_real T[RBDI_EST_JOINT_TRIANGLE],
                                           const rbd_real load[RBDI_EST_LOAD_TRIANGLE],
                                           const rbd_real u[RBDI_EST_FRICTIONS]) {

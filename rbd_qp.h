@@ -342,7 +342,8 @@ typedef struct rbd_qp_result {
     rbd_real primal; /* the largest miss of a row, or distance of one that pushes from its side, as a share of
                         its terms: the side, and its entries times the largest x */
     rbd_real dual; /* the largest component of Hx + f + C'lambda, as a share of the largest term of the cost:
-                        of Hx + f, or lambda of a soft row times the row */
+                        of Hx + f, or lambda of a soft row times the row; rounding of larger
+                        multipliers counts as well */
     int at;        /* after an error the row, counted with the bounds, or the variable; -1: none */
     const char *field; /* after an error: of rbd_qp_problem or rbd_qp_options; NULL: none */
 } rbd_qp_result;
@@ -955,7 +956,7 @@ typedef struct rbdi_qp {
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
     rbdi_qp_shape shape;
     int n, all, soft;  /* variables, rows with bounds, soft rows */
-    int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
+    int watches;       /* rows that x may miss: not 0, with a side */
     int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
     int reflections;   /* equalities, and until there is J the active rows */
@@ -971,8 +972,7 @@ typedef struct rbdi_qp {
 
     rbd_real *L; /* packed rows, its diagonal inverted */
     rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
-    rbd_real
-        *J; /* columns x n: each column of J is a row here; NULL until a row joins or a soft one is there */
+    rbd_real *J; /* columns x n, each column a row here; NULL with no active row and no soft one */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
     rbd_real *d, *r;   /* n + soft: see [method] */

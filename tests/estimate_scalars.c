@@ -166,7 +166,7 @@ static void check_bounded_pair(void) {
         for (int round = 0; round < 40; round++, size *= 0.7) {
             for (int i = -4; i <= 4; i++)
                 for (int j = -4; j <= 4; j++) {
-                    const double u = fmax(0, at[0] + size * i / 4), v = fmax(0, at[1] + size * j / 4);
+                    const double u = larger(0, at[0] + size * i / 4), v = larger(0, at[1] + size * j / 4);
                     const double cost = pow(a * u + b * v - r, 2) + pow(c * v - s, 2);
                     if (cost >= best) continue;
                     best = cost;

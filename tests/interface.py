@@ -83,10 +83,8 @@ def with_rows(page):
         for item in [item for section in extract.parse(header).sections for item in section.items]:
             at = next((i for i, line in enumerate(lines) if re.match(rf"\| [^|]*`{item.name}`", line)), None)
             if at is None and before is not None:
-                cells = lines[before].count("|") - 1
-                row = [f"`{item.name}`", first_sentence(item.comment), "new", *[""] * cells][:cells]
                 at = before + 1
-                lines.insert(at, "| " + " | ".join(row) + " |")
+                lines.insert(at, f"| `{item.name}` | {first_sentence(item.comment)} |")
             before = at
     return "\n".join(lines)
 

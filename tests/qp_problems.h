@@ -73,7 +73,7 @@ typedef struct judgement {
 } judgement;
 
 static void note(judgement *worst, const char *condition, int at, double by, double terms) {
-    const double share = by > 0 ? by / terms : by == by ? 0 : HUGE_VAL;
+    const double share = by > 0 ? larger(0, by / terms) : by == by ? 0 : HUGE_VAL;
     if (!(share > worst->share)) return;
     worst->share = share;
     worst->condition = condition;
@@ -123,24 +123,24 @@ static judgement judge_solution(const rbd_qp_problem *p) {
 /* The largest component of Hx + f + C'lambda, as a share of the largest term of the cost: what result.dual
    states. Not of lambda of hard rows, whose terms may cancel. */
 static double gradient_share(const rbd_qp_problem *p) {
-    double worst = 0, largest = 0;
+    long double worst = 0, largest = 0;
 
     for (int i = 0; i < p->n; i++) {
-        double sum = (double)p->f[i], terms = fabs(sum);
+        long double sum = (long double)p->f[i], terms = fabsl(sum);
         for (int j = 0; j < p->n; j++) {
-            const double term = (double)p->H[i * p->n + j] * (double)x[j];
+            const long double term = (long double)p->H[i * p->n + j] * (long double)x[j];
             sum += term;
-            terms += fabs(term);
+            terms += fabsl(term);
         }
         for (int row = 0; row < p->bounds + p->rows; row++) {
-            const double term = entry(p, row, i) * (double)lambda[row];
+            const long double term = (long double)entry(p, row, i) * (long double)lambda[row];
             sum += term;
-            if (p->soft && p->soft[row] > 0) terms += fabs(term);
+            if (p->soft && p->soft[row] > 0) terms += fabsl(term);
         }
-        worst = larger(worst, fabs(sum));
-        largest = larger(largest, terms);
+        if (!(fabsl(sum) <= worst)) worst = fabsl(sum);
+        if (terms > largest) largest = terms;
     }
-    return largest > 0 ? worst / largest : worst;
+    return (double)(largest > 0 ? worst / largest : worst);
 }
 
 /* How well lambda proves a contradiction: lambda' rows = 0, and lambda' sides < 0. */

@@ -83,6 +83,7 @@ static void draw_coordinates(const rbd_body *b, uint64_t *seed, double *q) {
 
 void draw_state(const robot *r, uint64_t *seed, state *s) {
     double *q = s->q;
+    memset(s, 0xff, sizeof *s); /* NaN, so that what was never drawn shows */
     draw_vector(seed, 10, s->gravity, 3);
     for (int i = 0; i < r->nb; i++)
         if (!r->bodies[i].mimic) {

@@ -632,8 +632,6 @@ static rbd_body rod(void) {
     return b;
 }
 
-/* Results left out change nothing in the others; without contacts it is rbd_fd_derivatives; zeros that
-   rbd_keep_zeros leaves out are written. */
 /* A strut that jams, as in test_contact_step.c: it is not lifted, so positions have no derivatives of their
    own, and move as velocities do. */
 START_TEST(strut_jams) {
@@ -661,17 +659,24 @@ START_TEST(strut_jams) {
     }
 
     const rbd_contact_step_results out = {q, v, &by_q, &by_v, &by_tau, &dv_dq, &dv_dv, &dv_dtau};
-    const double difference = (q[2] - q[0]) / (2 * t);
+    const double difference = (q[2] - q[0]) / (2 * t), of_speeds = (v[2] - v[0]) / (2 * t);
     rbd_contact_reset(s.c);
     ck_assert_int_eq(
         rbd_contact_step_derivatives(s.r.m, s.c, s.d, s.q, s.v, s.tau, NULL, s.damping, s.h, &out), RBD_OK);
     ck_assert_double_eq_tol(difference, 1, 1e-6); /* it stays where it is */
     ck_assert_double_eq_tol(by_q, difference, 1e-6);
+    ck_assert_double_eq_tol(by_v, s.h / 2, 1e-9);
     ck_assert_double_eq_tol(by_tau, 0, 1e-9);
+
+    ck_assert_double_eq_tol(dv_dq, of_speeds, 1e-6);
+    ck_assert_double_eq_tol(dv_dv, 0, 1e-9); /* what jams stops */
+    ck_assert_double_eq_tol(dv_dtau, 0, 1e-9);
     close_scene(&s);
 }
 END_TEST
 
+/* Results left out change nothing in the others; without contacts it is rbd_fd_derivatives; zeros that
+   rbd_keep_zeros leaves out are written. */
 START_TEST(parts_are_as_the_whole) {
     const rbd_body bodies[2] = {box(0.4, 0.3, 0.2, 3), rod()};
     const double rest[MAX_V] = {0}, gravity[3] = {0, 0, -9.81};

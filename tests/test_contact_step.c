@@ -617,7 +617,6 @@ START_TEST(painleves_rod_jams) {
 }
 END_TEST
 
-/* A loop, held together with contacts: two rods on hinges, joined at their ends, on a box that slides. */
 /* A strut leans by 0.2 on its hinge 1 m above the ground, and its foot slides towards the place below.
    Friction above 0.2 presses it into the ground: no impulse lifts it. Its depth stays, and does not grow. */
 START_TEST(strut_that_jams_does_not_sink) {
@@ -645,6 +644,7 @@ START_TEST(strut_that_jams_does_not_sink) {
 }
 END_TEST
 
+/* A loop, held together with contacts: two rods on hinges, joined at their ends, on a box that slides. */
 START_TEST(held_constraints_stay_closed) {
     rbd_body body[3] = {box(0.4, 0.3, 0.2, 3), rod(), rod()};
     scene s;

@@ -98,7 +98,7 @@ typedef struct guarded {
     const state *s;
     rbd_derivatives *d;
     int fenced, copies, results;
-    double q1[MAX_Q], weights[MAX_V];
+    double q1[MAX_Q], weights[MAX_V], at_point[2][6];
     const double *of[MOST_COPIES], *copy[MOST_COPIES];
     int length[MOST_COPIES];
     double *out[4], plain[MOST_RESULTS];
@@ -117,10 +117,15 @@ static const double *give(guarded *g, const double *x, int n) {
     return g->copy[g->copies++] = inputs(x, n);
 }
 
-/* The k-th input of n numbers: v, a, tau, v; or wrenches. */
+/* The k-th input of n numbers: v, a, tau, v; wrenches; or a point and the wrench at it, for which v may be
+   too short. */
 static const double *input(guarded *g, int k, int n) {
     const double *x[4] = {g->s->v, g->s->a, g->s->tau, g->s->v};
-    return give(g, n == 6 * g->r->nb ? g->s->f_ext : x[k], n);
+    if (n == 6 * g->r->nb) return give(g, g->s->f_ext, n);
+    if (n == g->r->nv) return give(g, x[k], n);
+
+    ck_assert(k < 2 && n <= 6);
+    return give(g, g->at_point[k], n);
 }
 
 static double *results(guarded *g, int at, int n) {
@@ -266,6 +271,10 @@ static void check_fenced(const robot *r, const state *s, int number) {
             RUN(rbd_derivatives_init(x->r->m, x->r->w, x->fenced ? fenced(size) : memory, size, &x->d));
             RUN(rbd_integrate(r->m, s->q, s->v, 0.1, x->q1));
             for (int k = 0; k < r->nv; k++) x->weights[k] = s->v[k] * s->v[k];
+            for (int k = 0; k < 6; k++) {
+                x->at_point[0][k] = 0.3 - 0.1 * k;
+                x->at_point[1][k] = 0.2 + 0.1 * k;
+            }
         }
         ck_assert_int_eq(rbd_set_gravity(f.w, inputs(s->gravity, 3)), RBD_OK);
         call_plain(&sides[0], &sides[1], number);

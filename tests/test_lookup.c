@@ -208,7 +208,7 @@ static void unit_axis(const double axis[3], double unit[3]) {
     for (int k = 0; k < 3; k++) unit[k] = axis[k] / length;
 }
 
-/* Whether a joint is described by an axis: those that do not are named, so that a new type does. */
+/* Whether a joint is described by an axis. Those that are not are named, so that a new type is. */
 static int has_axis(rbd_joint_type type) {
     switch (type) {
     case RBD_FIXED:

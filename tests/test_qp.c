@@ -383,6 +383,105 @@ START_TEST(multipliers_that_cancel_hide_no_gradient) {
 }
 END_TEST
 
+/* ---- corrections ---- */
+
+/* H, whose eigenvalues lie so many decades apart, with equalities and rows that pass by a point. */
+static rbd_qp_problem stiff_problem(double decades) {
+    const int n = between(4, 20), equalities = between(1, n / 2), others = between(0, 10);
+    const rbd_qp_problem p = problem_of(n, 0, equalities + others);
+    double B[20][20], inside[20];
+
+    for (int i = 0; i < n; i++) { /* orthonormal, by Gram and Schmidt, twice */
+        for (int j = 0; j < n; j++) B[i][j] = normal();
+        for (int k = 0; k < 2 * i; k++) {
+            double along = 0;
+            for (int j = 0; j < n; j++) along += B[i][j] * B[k % i][j];
+            for (int j = 0; j < n; j++) B[i][j] -= along * B[k % i][j];
+        }
+        double square = 0;
+        for (int j = 0; j < n; j++) square += B[i][j] * B[i][j];
+        for (int j = 0; j < n; j++) B[i][j] /= sqrt(square);
+    }
+    for (int i = 0; i < n; i++) {
+        inside[i] = normal();
+        f[i] = (rbd_real)normal();
+        for (int j = 0; j <= i; j++) {
+            double sum = 0;
+            for (int r = 0; r < n; r++) sum += pow(10, -decades * r / (n - 1)) * B[r][i] * B[r][j];
+            H[i * n + j] = H[j * n + i] = (rbd_real)sum;
+        }
+    }
+    for (int row = 0; row < p.rows; row++) {
+        double value = 0;
+        for (int j = 0; j < n; j++) C[row * n + j] = (rbd_real)normal();
+        for (int j = 0; j < n; j++) value += entry(&p, row, j) * inside[j];
+        lower[row] = row < equalities ? (rbd_real)value : -NONE;
+        upper[row] = (rbd_real)(row < equalities ? value : value + fabs(normal()));
+    }
+    return p;
+}
+
+/* x and lambda to rounding: active rows hold as shares of their length and x, the gradient of its largest
+   term, and the values that the solver keeps of all rows are those of this x. */
+static void check_to_rounding(const rbdi_qp *s, const rbd_qp_problem *p, int number) {
+    const long double epsilon = sizeof(rbd_real) == 4 ? 0x1p-23L : 0x1p-52L, far = largest_of(x, p->n);
+    long double largest = 0, worst = 0;
+
+    for (int row = 0; row < p->rows; row++) {
+        long double value = 0, terms = 0, square = 0;
+        for (int j = 0; j < p->n; j++) {
+            const long double c = (long double)p->C[row * p->n + j], term = c * (long double)x[j];
+            value += term;
+            terms += fabsl(term);
+            square += c * c;
+        }
+        const long double length = sqrtl(square), push = fabsl((long double)lambda[row]) * length;
+        largest = push > largest ? push : largest;
+
+        const long double kept = fabsl(value - (long double)s->value[row]);
+        ck_assert_msg(kept <= 4 * epsilon * terms, "problem %d: value of row %d, by %Lg", number, row, kept);
+        if (lambda[row] == 0) continue;
+        const long double missed = fabsl(value - (long double)p->upper[row]) / length;
+        ck_assert_msg(missed <= 32 * epsilon * far, "problem %d: row %d, by %Lg", number, row, missed);
+    }
+
+    for (int i = 0; i < p->n; i++) {
+        long double sum = (long double)p->f[i], terms = fabsl(sum);
+        for (int j = 0; j < p->n; j++) {
+            const long double term = (long double)p->H[i * p->n + j] * (long double)x[j];
+            sum += term;
+            terms += fabsl(term);
+        }
+        for (int row = 0; row < p->rows; row++)
+            sum += (long double)p->C[row * p->n + i] * (long double)lambda[row];
+        largest = terms > largest ? terms : largest;
+        worst = fabsl(sum) <= worst ? worst : fabsl(sum);
+    }
+    ck_assert_msg(worst <= 32 * epsilon * largest, "problem %d: gradient %Lg of %Lg", number, worst, largest);
+}
+
+/* Of H whose eigenvalues lie far apart factors alone leave a thousand roundings: corrections mend them, after
+   steps, and before any where the guess is right. */
+START_TEST(corrections_leave_nothing_but_rounding) {
+    int without_steps = 0;
+    seed = 5;
+    for (int k = 0; k < 200; k++) {
+        const rbd_qp_problem p = stiff_problem(sizeof(rbd_real) == 4 ? 3 : 8);
+        const rbdi_qp_shape any = {0, p.n, 0, 0, 0};
+        for (int warm = 0; warm < 2; warm++) {
+            const rbd_qp_options options = {.warm = warm};
+            rbdi_qp s;
+            const rbd_qp_status status =
+                rbdi_qp_solve(&s, &p, &options, &any, memory, sizeof memory, x, lambda, side);
+            ck_assert_msg(status == RBD_QP_OK, "problem %d: status %d", k, status);
+            check_to_rounding(&s, &p, k);
+            without_steps += s.result.steps == 0 && s.q > 0;
+        }
+    }
+    ck_assert_int_gt(without_steps, 100);
+}
+END_TEST
+
 /* ---- a second method ---- */
 
 /* Solves A y = b in place with column pivots; 0 if it is singular. */
@@ -638,6 +737,26 @@ START_TEST(an_unfinished_x_is_judged_where_it_is) {
                      RBD_QP_ITERATIONS);
     ck_assert(fabs((double)result.primal - 0.5) < 1e-6);
     ck_assert(result.dual < tight);
+}
+END_TEST
+
+/* Stopped on the way, or after the last round of a semidefinite H: result.dual is that of x and lambda. */
+START_TEST(an_unfinished_gradient_is_told) {
+    static const kind kinds[3] = {CONVEX, SEMIDEFINITE, LINEAR};
+    const double rounding = sizeof(rbd_real) == 4 ? 1e-5 : 1e-14;
+    int unfinished = 0;
+    seed = 31;
+    for (int k = 0; k < 600; k++) {
+        const rbd_qp_problem p = random_problem(kinds[k % 3]);
+        const rbd_qp_options few = {.steps = 1 + k % 20, .rounds = 1 + k % 5};
+        const rbd_qp_status status = rbd_qp_solve(&p, &few, memory, sizeof memory, x, lambda, side, &result);
+        const double share = gradient_share(&p), dual = (double)result.dual;
+        if (status == RBD_QP_INFEASIBLE) continue;
+        ck_assert_msg(fabs(dual - share) <= 1e-2 * share + rounding, "problem %d: %g, not %g", k, dual,
+                      share);
+        unfinished += status == RBD_QP_ITERATIONS && share > 1e-3;
+    }
+    ck_assert_int_gt(unfinished, 50);
 }
 END_TEST
 
@@ -916,7 +1035,6 @@ START_TEST(slight_contradictions_are_inaccurate) {
 }
 END_TEST
 
-/* Without a value to lower, x is the nearest place to 0, to rounding. */
 /* x0 >= gap and x0 + angle x1 <= 0 meet at x1 = -gap / angle, which is nearer than the optimum without rows.
    The rows are too nearly parallel to be solved; but that is no contradiction. */
 START_TEST(rows_that_meet_within_reach_contradict_nothing) {
@@ -952,6 +1070,7 @@ START_TEST(a_bound_of_zero_holds_but_for_rounding) {
 }
 END_TEST
 
+/* Without a value to lower, x is the nearest place to 0, to rounding. */
 START_TEST(rows_alone_are_met) {
     const double row[3] = {0.1, 0.7, 1. / 3}, square = 0.01 + 0.49 + 1. / 9;
     rbd_qp_problem p = problem_of(3, 0, 1);
@@ -1430,11 +1549,13 @@ int main(void) {
     tcase_add_loop_test(c, random_problems_satisfy_their_conditions, 0, KINDS);
     tcase_add_test(c, contradictions_are_found_and_proven);
     tcase_add_test(c, multipliers_that_cancel_hide_no_gradient);
+    tcase_add_test(c, corrections_leave_nothing_but_rounding);
     tcase_add_test(c, small_problems_agree_with_all_choices_of_sides);
     tcase_add_test(c, soft_rows_are_slacks);
     tcase_add_test(c, any_guess_leads_to_the_same_solution);
     tcase_add_test(c, a_guess_far_off_excuses_no_miss);
     tcase_add_test(c, a_problem_that_drifts_is_solved_ten_thousand_times);
+    tcase_add_test(c, an_unfinished_gradient_is_told);
     tcase_add_test(c, order_and_units_do_not_matter);
     tcase_add_test(c, not_a_number_is_named);
     tcase_add_test(c, slips_are_named);

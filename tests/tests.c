@@ -38,7 +38,7 @@ int main(int argc, char **argv) {
                                   "contact_derivatives"};
     SRunner *runner = srunner_create(NULL);
 
-    const char *unknown = contacts ? add_suites(runner, of_contacts, 5)
+    const char *unknown = contacts ? add_suites(runner, of_contacts, LENGTH(of_contacts))
                                    : add_suites(runner, argv + 1 + options, argc - 1 - options);
     if (unknown) {
         fprintf(stderr, "tests: no suite is called '%s'\n", unknown);

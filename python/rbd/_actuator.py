@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Iterable, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _Declared, _int, _number, _numbers, _utf8, _whole
+from ._arguments import _array, _Declared, _int, _number, _numbers, _utf8, _whole
 from ._contacts import ContactSet
 from ._headers import Array, Matrix, Numbers, RbdError, Status, TransmissionKind, structure
 
@@ -239,11 +239,11 @@ class Actuators(_Declared):
         """One state's array; None for a v of zero. One of another length is of another robot."""
         if value is None:
             return None
-        length = len(value) if hasattr(value, "__len__") and not isinstance(value, (str, bytes)) else width
-        if length != width:
-            raise ValueError(f"{call}: {name} has {length} numbers, but these actuators are of a robot with {width}: its "
+        array = _array(call, name, value, self.library.dtype)
+        if array.ndim == 1 and len(array) != width:
+            raise ValueError(f"{call}: {name} has {len(array)} numbers, but these actuators are of a robot with {width}: its "
                              f"degrees of freedom are {_listed(self.model.dof_names)}")
-        return _numbers(call, name, value, (width,), self.library.dtype)
+        return _numbers(call, name, array, (width,), self.library.dtype)
 
     def _same_robot(self, contacts):
         """The contacts of a step are of this robot: their model may be a copy."""

@@ -63,6 +63,9 @@ def test_arrays_and_contacts_of_another_robot_are_refused(double, iiwa):
                             ("step", "tau", lambda: arm.step(two, two, 1e-3, tau=seven))):
         with pytest.raises(ValueError, match=text.format(call, name)):
             use()
+    for shape in (), (1, 2), (7, 1):
+        with pytest.raises(ValueError, match=r"map: q .*(2,)"):
+            arm.map(np.zeros(shape))
     other = rbd.Model([replace(body, joint=joint) for body, joint in zip(model.bodies, ("hip", "ankle"))], library=double)
     with pytest.raises(ValueError, match="step: contacts are of another robot, with the degrees of freedom 'hip', 'ankle'; those "
                                          "of these actuators are 'hip', 'knee'"):

@@ -58,17 +58,17 @@ RBDI_LOCAL void rbdi_act_note_group(const rbd_actuators *a, const rbdi_act_group
    joints. The size of a coupled shaft's torque is that of its law, of what its joints were told, and of their
    momentum. */
 RBDI_LOCAL void rbdi_act_note_rounding(rbd_actuators *a) {
-    a->rough = a->heavy = rbdi_zero();
+    a->speed_rounding = a->torque_rounding = rbdi_zero();
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
         if (s->dof >= 0) s->scale = rbdi_abs(s->next);
         if (s->dof >= 0) s->size = rbdi_zero();
-        a->rough = a->rough + RBDI_ACTUATOR_ROUNDING * s->scale;
+        a->speed_rounding = a->speed_rounding + RBDI_ACTUATOR_ROUNDING * s->scale;
     }
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
         s->size = s->size + rbdi_act_size(&a->motor[i], s, a);
-        a->heavy = a->heavy + RBDI_ACTUATOR_ROUNDING * s->size;
+        a->torque_rounding = a->torque_rounding + RBDI_ACTUATOR_ROUNDING * s->size;
         if (s->dof >= 0) continue;
         s->size = s->size + s->smooth * s->scale;
         for (int k = 0; k < a->n && a->known; ++k)
@@ -145,7 +145,7 @@ RBDI_LOCAL int rbdi_act_pieces_hold(const rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *m = &a->motor[i];
         const rbdi_act_shaft *s = &a->shaft[i];
-        const rbd_real law = rbdi_act_torque_of(rbdi_act_law(m, s, s->next, a), s->next);
+        const rbd_real law = rbdi_act_law_at(m, s, s->next, a);
         const rbd_real off = rbdi_abs(s->start - s->slope * s->next - law);
         if (off > RBDI_ACTUATOR_SETTLED * rbdi_act_size(m, s, a)) return 0;
     }

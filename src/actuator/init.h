@@ -21,13 +21,14 @@ RBDI_LOCAL rbd_actuators *rbdi_act_lay_actuators(const rbd_model *m, const rbd_m
                                                  int groups, int ring, void *memory) {
     unsigned char *at = rbdi_aligned(memory);
     rbd_actuators *a = RBDI_CUT(rbd_actuators, 1);
+    const int all = groups ? n : 0; /* shafts of which the motion is learnt */
     a->shaft = RBDI_CUT(rbdi_act_shaft, n);
     a->group = RBDI_CUT(rbdi_act_group, groups);
     a->commands = RBDI_CUT(rbd_command, n * ring);
-    a->mass = RBDI_CUT(rbd_real, groups ? (4 * n + 1) * n : 0);
-    a->system = a->mass + n * n;
-    a->pair = a->system + n * n;
-    a->solution = a->pair + 2 * n * n;
+    a->mass = RBDI_CUT(rbd_real, (4 * all + 1) * all);
+    a->system = a->mass + all * all;
+    a->pair = a->system + all * all;
+    a->solution = a->pair + 2 * all * all;
     a->motor = motors;
     a->n = n;
     a->groups = groups;

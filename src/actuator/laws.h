@@ -22,8 +22,8 @@
    what turned around, still = -turn, has w = RBDI_ACTUATOR_BEND turn more. A bristle of stiffness k that has
    the torque b makes dry = clamp(b + k dt x_m, -F, F).
 
-   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - phi, play 2
-   h, K = dt k + d, r = y - x_m the joint gets the impulse
+   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - phi,
+   play 2 h, K = dt k + d, r = y - x_m the joint gets the impulse
 
        p = max(0, dt k (delta - h) + dt K r) + min(0, dt k (delta + h) + dt K r)
        J (y - y_0) = dt (m(y) - viscous y) - p + p_f,   p_f = -dt F sign(y), or less at y = 0
@@ -197,18 +197,25 @@ RBDI_PART rbdi_act_piece rbdi_act_law(const rbd_motor *m, const rbdi_act_shaft *
     return piece;
 }
 
-/* By how much the joint's torque T at speed x is not that of the law, where the speed is known to a->rough. A
-   coupled shaft may have any torque within the level of friction while it sticks: there x is rounding. */
+/* The torque of a shaft's law at the speed x of its joint's side. */
+RBDI_PART rbd_real rbdi_act_law_at(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                   const rbd_actuators *a) {
+    return rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
+}
+
+/* By how much the joint's torque T at speed x is not that of the law, where the speed is known to
+   a->speed_rounding. A coupled shaft may have any torque within the level of friction while it sticks: there
+   x is rounding. */
 RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
                                 const rbd_actuators *a) {
     const int sticks = s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0);
     const rbd_real creep = sticks ? RBDI_ACTUATOR_CREEP * (1 + s->scale) : rbdi_zero();
-    const rbd_real slower = x - a->rough, faster = x + a->rough;
+    const rbd_real slower = x - a->speed_rounding, faster = x + a->speed_rounding;
     rbd_real least, most;
-    if (!(a->rough > 0)) return T - rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
+    if (!(a->speed_rounding > 0)) return T - rbdi_act_law_at(m, s, x, a);
     if (!sticks) {
-        least = rbdi_act_torque_of(rbdi_act_law(m, s, faster, a), faster);
-        most = rbdi_act_torque_of(rbdi_act_law(m, s, slower, a), slower);
+        least = rbdi_act_law_at(m, s, faster, a);
+        most = rbdi_act_law_at(m, s, slower, a);
     } else {
         least = rbdi_act_torque_of(rbdi_act_rigid_without(m, s, faster, a), faster) +
                 rbdi_act_torque_of(rbdi_act_dry(m, s, faster + creep, a), faster + creep);

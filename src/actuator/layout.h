@@ -10,9 +10,10 @@
    step of length dt the joint gets the impulse dt t, and a larger speed x never a larger t. Such laws make no
    energy whatever dt is.
 
-   A law is piecewise linear, t = s - slope x; dry friction is steep at x = 0. A step is told s and slope of
-   the piece at a point of speeds x_p. If each law has at the speeds that come out the torque that the step
-   was told, they are those of the laws themselves, exactly. Else the step is made again with another point.
+   A law is piecewise linear, t = start - slope x; dry friction is steep at x = 0. A step is told start and
+   slope of the piece at a point of speeds x_p. If each law has at the speeds that come out the torque that
+   the step was told, they are those of the laws themselves, exactly. Else the step is made again with another
+   point.
    This is Newton's method for the least value of a convex function: that of the joints' motion, which is
    quadratic, and for each shaft the integral of -t(x). From the second time on the point is where this
    function is least on the way from the last point to the new speeds. There, at the share c of the way d,
@@ -23,9 +24,9 @@
    So the repeats end for all laws, however steep.
 
    Shafts that a transmission couples have slopes G' diag(slope) G, which are no diagonal, and what sticks is
-   no joint. So if there is a transmission, the motion of the joints is learnt for all shafts at once: T =
-   T_p + P (x - x_p) with a matrix P, which each repeat corrects. With P the same method finds the speeds of
-   all shafts without a step. The step is told the torques that belong to them, and a damping that is a
+   no joint. So if there is a transmission, the motion of the joints is learnt for all shafts at once:
+   T = T_p + P (x - x_p) with a matrix P, which each repeat corrects. With P the same method finds the speeds
+   of all shafts without a step. The step is told the torques that belong to them, and a damping that is a
    diagonal. P is kept from step to step. */
 
 #define RBDI_ACTUATOR_MOST RBD_C(1e9)     /* of a field, a command, q and v */
@@ -33,8 +34,8 @@
 #define RBDI_ACTUATOR_UNLIMITED RBD_C(1e15) /* A: of a motor without limit of current */
 #define RBDI_ACTUATOR_MOST_MOTORS 1000
 #define RBDI_ACTUATOR_MOST_DELAY 1000
-#define RBDI_ACTUATOR_REPEATS 50        /* of a step; a few steps of random robots need more */
-#define RBDI_ACTUATOR_SEARCHES 20       /* beyond one for each shaft; nearly all need 3 at most */
+#define RBDI_ACTUATOR_REPEATS 50        /* of a step: few random robots need more */
+#define RBDI_ACTUATOR_SEARCHES 20       /* beyond one for each shaft */
 #define RBDI_ACTUATOR_HALVINGS 40       /* that find the least value on a way: to 1e-12 of it */
 #define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_BEND RBD_C(1e-3)  /* see [laws of shafts]: no steeper than float can compute */
@@ -70,7 +71,7 @@ typedef struct rbdi_act_shaft {
 
     /* of the step */
     rbd_command arrived;
-    rbd_real phi, x, bias; /* angle and speed of the joint's side at its beginning; G' v */
+    rbd_real phi, x, bias; /* angle and speed of the joint's side at its beginning; (dG/dt) v */
     rbd_real t, braking; /* the drive asks for the torque t - braking speed, at the speed of the step's end */
     rbd_real most;       /* N m: limit of the current */
     rbd_real stall, droop; /* limits of the voltage: stall - droop speed, -stall - droop speed */
@@ -82,7 +83,8 @@ typedef struct rbdi_act_shaft {
     rbd_real level;        /* of dry friction */
     rbd_real point, base;  /* the speed whose piece the step was told, and the joints' torque there */
     rbd_real start, slope; /* what it was told: the torque start - slope x */
-    rbd_real next, force;  /* the speed that came out, and the torque that the joints had there */
+    rbd_real next;         /* the speed that came out, or is foretold */
+    rbd_real force;        /* the torque that the joints have there */
 
     /* of the step, if there are transmissions */
     rbd_real seen_x, seen_T; /* see [coupled shafts] */
@@ -119,14 +121,14 @@ struct rbd_actuators {
     rbd_command *commands; /* n x ring */
 
     /* if there are transmissions, of all shafts: see [coupled shafts] */
-    int known;          /* whether there is a mass */
-    int pairs;          /* that this step told */
-    rbd_real *mass;     /* n x n, kg m^2 by the shafts' speeds */
-    rbd_real *system;   /* n x n: that is solved */
-    rbd_real *pair;     /* n x 2 x n: d_k, y_k of [learning] */
-    rbd_real *solution; /* n */
-    rbd_real rough;     /* rad/s: rounding of the speeds */
-    rbd_real heavy;     /* N m: rounding of the torques */
+    int known;                /* whether there is a mass */
+    int pairs;                /* that this step told */
+    rbd_real *mass;           /* n x n, kg m^2 by the shafts' speeds */
+    rbd_real *system;         /* n x n: that is solved */
+    rbd_real *pair;           /* n x 2 x n: d_k, y_k of [learning] */
+    rbd_real *solution;       /* n */
+    rbd_real speed_rounding;  /* rad/s */
+    rbd_real torque_rounding; /* N m */
 };
 
 #define RBDI_ACTUATORS_BYTES(n, groups, delay) \

@@ -22,7 +22,7 @@ RBDI_INLINE rbd_real rbdi_act_dot(const rbd_real *x, const rbd_real *y, int n) {
 }
 
 /* A first guess of the mass, a diagonal in kg m^2: the impulse of the step over the largest change of speed
-   that it can have made. The least torque, 1e-3 N m, keeps it above 0. */
+   that it can have made. No pair tells of it. The least torque, 1e-3 N m, keeps it above 0. */
 RBDI_LOCAL void rbdi_act_guess_mass(rbd_actuators *a) {
     for (int i = 0; i < a->n * a->n; ++i) a->mass[i] = rbdi_zero();
     for (int i = 0; i < a->n; ++i) {
@@ -31,6 +31,7 @@ RBDI_LOCAL void rbdi_act_guess_mass(rbd_actuators *a) {
         const rbd_real torque = rbdi_abs(s->force) + s->level + RBD_C(1e-3);
         a->mass[(a->n + 1) * i] = a->dt * torque / change + rbdi_act_rotor_inertia(&a->motor[i]);
     }
+    a->pairs = 0;
     a->known = 1;
 }
 
@@ -40,10 +41,9 @@ RBDI_LOCAL void rbdi_act_add_square(rbd_actuators *a, rbd_real factor, const rbd
         for (int j = 0; j < a->n; ++j) a->mass[a->n * i + j] = a->mass[a->n * i + j] + factor * x[i] * x[j];
 }
 
-/* a->solution = M d. Returns d'M d. */
-RBDI_LOCAL rbd_real rbdi_act_move_mass(const rbd_actuators *a, const rbd_real *d) {
+/* a->solution = M d. */
+RBDI_LOCAL void rbdi_act_mass_times(const rbd_actuators *a, const rbd_real *d) {
     for (int i = 0; i < a->n; ++i) a->solution[i] = rbdi_act_dot(a->mass + a->n * i, d, a->n);
-    return rbdi_act_dot(d, a->solution, a->n);
 }
 
 /* The pair (d, y) of the last repeat. */
@@ -74,7 +74,8 @@ RBDI_LOCAL void rbdi_act_stiffen(rbd_actuators *a) {
     rbd_real *d = a->pair, work;
     a->pairs = 0;
     for (int i = 0; i < a->n; ++i) d[i] = a->shaft[i].point - a->shaft[i].seen_x;
-    work = rbdi_act_move_mass(a, d);
+    rbdi_act_mass_times(a, d);
+    work = rbdi_act_dot(d, a->solution, a->n);
     if (work > 0) rbdi_act_add_square(a, 9 / work, a->solution);
 }
 
@@ -86,7 +87,8 @@ RBDI_LOCAL void rbdi_act_learn(rbd_actuators *a) {
     rbd_real work, square;
     rbdi_act_take_pair(a, d, y);
     work = rbdi_act_dot(d, y, n);
-    if (!(rbdi_act_dot(d, d, n) > RBDI_ACTUATOR_ACROSS * a->rough * a->rough) || !(work > 0)) {
+    if (!(rbdi_act_dot(d, d, n) > RBDI_ACTUATOR_ACROSS * a->speed_rounding * a->speed_rounding) ||
+        !(work > 0)) {
         rbdi_act_stiffen(a);
         return;
     }
@@ -99,7 +101,8 @@ RBDI_LOCAL void rbdi_act_learn(rbd_actuators *a) {
         rbdi_act_take_pair(a, d, y);
     }
 
-    square = rbdi_act_move_mass(a, d);
+    rbdi_act_mass_times(a, d);
+    square = rbdi_act_dot(d, a->solution, n);
     rbdi_act_add_square(a, 1 / rbdi_act_dot(d, y, n), y);
     rbdi_act_add_square(a, -1 / square, a->solution);
     a->pairs = (a->pairs + 1) % n;

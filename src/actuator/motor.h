@@ -52,8 +52,8 @@ RBDI_PART void rbdi_act_current_range(const rbd_motor *m, rbd_real winding, rbd_
    It is told at the speed x before the step and, where it holds the rotor back and d is within a radian, so
    that the torque changes evenly, implicit. The step's own way differs, and the work with it. The difference,
    s->lent, is paid back: above a tenth of a tooth's height, cogging has no torque in steps where it would add
-   to that. So what a rotor gains or loses is bounded for good: by a tooth's height in steps of up to 10 ms
-   (tests/test_actuator.c). */
+   to that. So what it gives beyond its potential is bounded by a tooth's height while teeth gear^2 cogging
+   dt^2 is below twice the inertia that the shaft moves (tests/test_actuator.c). */
 
 /* Torque of cogging at the shaft. */
 RBDI_PART rbd_real rbdi_act_cogging(const rbd_motor *m, rbd_real angle) {

@@ -13,7 +13,7 @@ RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
         const rbd_real d = s->next - s->point;
         const rbd_real x = s->point + c * d;
         const rbd_real T = s->base + c * (s->force - s->base);
-        sum = sum + (T - rbdi_act_torque_of(rbdi_act_law(&a->motor[i], s, x, a), x)) * d;
+        sum = sum + (T - rbdi_act_law_at(&a->motor[i], s, x, a)) * d;
     }
     return sum;
 }

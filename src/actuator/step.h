@@ -11,7 +11,7 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     a->air = air;
     a->begun = 0;
     a->repeats = a->noted = a->pairs = 0;
-    a->rough = a->heavy = rbdi_zero();
+    a->speed_rounding = a->torque_rounding = rbdi_zero();
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         s->angle = s->phi;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
@@ -150,7 +150,7 @@ RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
         const rbdi_act_shaft *s = &a->shaft[i];
         const rbd_real bound =
             s->dof < 0 ? RBDI_ACTUATOR_SETTLED * s->size : RBDI_ACTUATOR_ROUNDING * rbdi_act_size(m, s, a);
-        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > bound + a->heavy) return 0;
+        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > bound + a->torque_rounding) return 0;
     }
     return 1;
 }

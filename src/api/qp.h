@@ -59,7 +59,8 @@ typedef struct rbd_qp_result {
     rbd_real primal; /* the largest miss of a row, or distance of one that pushes from its side, as a share of
                         its terms: the side, and its entries times the largest x */
     rbd_real dual; /* the largest component of Hx + f + C'lambda, as a share of the largest term of the cost:
-                        of Hx + f, or lambda of a soft row times the row */
+                        of Hx + f, or lambda of a soft row times the row; rounding of larger
+                        multipliers counts as well */
     int at;        /* after an error the row, counted with the bounds, or the variable; -1: none */
     const char *field; /* after an error: of rbd_qp_problem or rbd_qp_options; NULL: none */
 } rbd_qp_result;

@@ -44,6 +44,7 @@ RBDI_INLINE rbdi_bias rbdi_rigid_bias(const rbd_contact_set *c, int purpose, con
     const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), least = -slop * RBDI_LEFT_OF_SLOP,
                    made = gap->reach - gap->start, deeper = gap->start + slop;
     rbdi_bias x = rbdi_no_bias();
+
     if (!(gap->reach <= 0)) {
         x.value = gap->reach * inverse;
         x.by_reach = inverse;
@@ -91,8 +92,10 @@ RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_con
     rbd_real square = gap->rate * gap->rate, share;
     rbdi_bias x = rbdi_no_bias();
     if (gap->rate > 0) return rbdi_leaving_bias(gap);
+
     if (further) square = square - 2 * gap->start * contact->falls / c->dt;
     x.value = -contact->restitution * rbdi_sqrt(square);
+
     share = contact->restitution * contact->restitution / x.value;
     x.by_rate = share * gap->rate;
     if (further) {
@@ -141,12 +144,14 @@ RBDI_LOCAL rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int r
                    over = rbdi_abs(gap.start) - slop, share = RBD_C(c->options.correction) * inverse;
     rbdi_bias x = rbdi_no_bias();
     if (purpose != RBDI_FOR_POSITIONS) return x;
+
     if (rbdi_abs(made) > slop * RBDI_LEFT_OF_SLOP) {
         x.value = made * inverse;
         x.by_reach = inverse;
         x.by_start = -inverse;
     }
     if (!(over > 0)) return x;
+
     x.value = x.value + share * (gap.start > 0 ? over : -over);
     x.by_start = x.by_start + share;
     return x;

@@ -95,7 +95,9 @@ RBDI_LOCAL int rbdi_paths_to(const rbd_model *m, const rbd_constraint_set *s, co
 RBDI_LOCAL void rbdi_write_bounded(const rbd_contact_set *c, const rbdi_bounded_row *row) {
     const rbd_contact_row *law = &row->law;
     rbd_constraint_set *s = c->rows;
-    for (int j = 0; row->row >= 0 && j < law->dofs; ++j) {
+    if (row->row < 0) return;
+
+    for (int j = 0; j < law->dofs; ++j) {
         s->Y[law->dof[j] * s->stride + row->row] = law->jacobian[j];
         s->velocity[row->row] = s->velocity[row->row] + law->jacobian[j] * c->v_mid[law->dof[j]];
     }

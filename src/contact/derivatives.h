@@ -366,7 +366,7 @@ RBDI_LOCAL void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c,
     for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
     if (!any) return;
 
-    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[0][k];
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[RBDI_X_UNCORRECTED][k];
     rbdi_solve_forward(m, w, w->H, 1, 1, 1, nu);
     for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
     rbdi_write_rho(m, c, d, nu, f_ext, NULL, dnu);
@@ -439,8 +439,10 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
         if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);
     if (!status && !solved) status = RBD_ERR_SINGULAR;
     if (status) rbd_contact_reset(c);
-    for (int x = 0; status && x < 3; ++x)
-        if (by.dq[x]) rbdi_clear(by.dq[x], size), rbdi_clear(by.dv[x], size);
+    for (int x = 0; x < 3; ++x)
+        if (status && by.dq[x]) rbdi_clear(by.dq[x], size);
+    for (int x = 0; x < 3; ++x)
+        if (status && by.dv[x]) rbdi_clear(by.dv[x], size);
     if (to.q_next) rbdi_contact_move(m, c, status, q, to.q_next, to.v_next);
     return status;
 }

@@ -126,12 +126,16 @@ struct rbd_contact_set {
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
     rbd_real *centre;        /* nv: with `momentum`, centres of mass at q_mid, at the first dofs of roots */
     rbd_real *momentum;      /* nv: wanted at the end, of roots that fly */
-    rbd_real *x[3];          /* nv each: L^-T dt (tau - c - damping v_mid), c corrected so many times */
+    rbd_real *x[3];          /* nv each: L^-T dt (tau - ID - damping v_mid), see below */
     rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
     rbd_real half, way;      /* times for which v moves q, and then the solution does: dt/2 each */
     rbd_real *sigma;         /* of derivatives: max_rows x nv, then [step derivatives code]; NULL = none */
     rbdi_contact_solver solver;
 };
+
+/* Indices of x, by the velocities of the velocity terms in it: v_mid, the mean of the first solution, that of
+   the solution after it. */
+enum { RBDI_X_UNCORRECTED, RBDI_X_CORRECTED, RBDI_X_CORRECTED_TWICE };
 
 /* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows, of which limits and
    bounded rows take `dof_bytes`. nq <= 2 nv. */

@@ -45,7 +45,8 @@ RBDI_LOCAL int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rb
 
     for (int i = 0; i < c->bounds; ++i) {
         const rbd_contact_row *law = &c->bound[i].law;
-        for (int j = 0; j < law->dofs && c->bound[i].row >= 0; ++j)
+        if (c->bound[i].row < 0) continue;
+        for (int j = 0; j < law->dofs; ++j)
             if (law->dof[j] >= u->iv && law->dof[j] < u->iv + 6) return 0;
     }
     return 1;

@@ -47,9 +47,12 @@ RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
         rbdi_contact_unknown *x;
-        for (int j = 0; j < 3 && law->state == RBD_STICKS; ++j)
-            (void)rbdi_new_unknown(s, 3 * i + j, 1, j < 2 ? law->trace : rbdi_normal_scale(law));
+        if (law->state == RBD_STICKS)
+            for (int j = 0; j < 3; ++j)
+                (void)rbdi_new_unknown(s, 3 * i + j, 1, j < 2 ? law->trace : rbdi_normal_scale(law));
         if (law->state != RBD_SLIPS) continue;
+
+        /* mu e + n, and u_n = 0 */
         s->symmetric = 0;
         x = rbdi_new_unknown(s, 3 * i, 3, rbdi_normal_scale(law));
         x->column[0] = law->friction * law->e[0];
@@ -57,13 +60,17 @@ RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
         x->row[0] = rbdi_zero();
         x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
         if (!(law->friction > 0)) continue;
+
+        /* t, and t'u + alpha t'p = 0 */
         x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
         x->column[0] = x->row[0] = -law->e[1];
         x->column[1] = x->row[1] = law->e[0];
         x->alpha = law->alpha;
     }
+
     for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
         if (s->bound[i] == RBD_STICKS) (void)rbdi_new_unknown(s, r, 1, s->given.delta[r * s->rows + r]);
+
     s->stride = (s->unknowns + s->sides + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
 }
 
@@ -126,6 +133,7 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
         best = g;
         largest = size;
     }
+
     for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
         const rbd_real old = own[j];
         own[j] = best[j];
@@ -143,6 +151,7 @@ RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s) {
         const int from = k / RBDI_BATCH * RBDI_BATCH;
         rbd_real inverse;
         if (!rbdi_newton_pivot(s, k)) return 0;
+
         inverse = 1 / own[k];
         for (int i = k + 1; i < n; ++i) {
             rbd_real *g = &s->G[i * stride];
@@ -173,7 +182,9 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s) {
 /* Replaces the right-hand sides by dx. Returns 0 if G is singular. */
 RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s) {
     const int n = s->unknowns, stride = s->stride, sides = s->sides;
+
     if (!(s->symmetric ? rbdi_newton_cholesky(s) : rbdi_newton_gauss(s))) return 0;
+
     for (int k = n - 1; k >= 0; --k) {
         rbd_real *g = &s->G[k * stride];
         const rbd_real *x = g + stride + n;
@@ -216,9 +227,11 @@ RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *fr
 RBDI_PART int rbdi_full_step(rbdi_contact_solver *s, rbd_const proximal) {
     rbdi_onto_cones(s);
     rbdi_contact_velocities(s);
+
     rbdi_list_unknowns(s);
     rbdi_newton_matrix(s, proximal, s->u);
     if (!rbdi_newton_solve(s)) return 0;
+
     rbdi_add_increments(s, s->p);
     rbdi_copy_rows(s, s->p, s->full);
     return 1;
@@ -244,6 +257,7 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
                     shorter[4] = {RBD_C(1), RBD_C(1), RBD_C(0.3), RBD_C(0.09)};
     const rbd_real before = s->solution.residual;
     rbdi_copy_rows(s, s->p, s->start);
+
     for (int i = rbdi_full_step(s, proximal) ? 0 : 4; i < 4; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
         for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->full[r] - s->start[r]) * share;
@@ -251,6 +265,7 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
         rbdi_contact_residual(s);
         if (s->solution.residual < before * gain[i]) return 1;
     }
+
     rbdi_copy_rows(s, s->start, s->p);
     rbdi_contact_residual(s);
     return 0;

@@ -5,7 +5,7 @@
 
 /* ---- contact rows [contact rows] ----
    The rows of a step: contacts first, three each, then held constraints, limits, bounded rows. By the factor
-   M + dt damping = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c - damping v):
+   M + dt damping = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - ID - damping v):
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
@@ -14,10 +14,10 @@
 
        u = J nu + dt/2 gamma,   gamma = dJ/dt v with classical accelerations 0
 
-   The place of contact is l below the centre c of a ball, against the normal n, and moves over the body. With
-   the motion of the body relative to the plane, c has velocity v_c and acceleration a_c, and
+   The place of contact is l below the centre of a ball, against the normal n, and moves over the body. With
+   the motion of the body relative to the plane, the centre has velocity v and acceleration a, and
 
-       u = v_c - l omega x n,   gamma = a_c - l domega/dt x n - l' omega x n
+       u = v - l omega x n,   gamma = a - l domega/dt x n - l' omega x n
 
    Of a ball, or of a point, l is the radius, and l' = 0: the point of a wheel accelerates upward, its gap
    does not. This is where an impact acts. But places of one body at different heights over a plane have
@@ -161,6 +161,7 @@ RBDI_LOCAL int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_
     rbd_constraint_set *s = c->rows;
     const rbd_real dt = c->dt, ratio = dt / c->last_dt;
     int place = 0, contacts;
+
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     s->rows = 0;
 
@@ -275,6 +276,7 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
     rbd_real *delta = s->R;
+
     rbdi_bound_noise(m, s);
     for (const rbdi_constraint *con = s->constraint; con < s->constraint + s->n; ++con)
         if (con->row >= 0) rbdi_delta(s, con->dof, con->dofs, con->row, con->rows);
@@ -287,13 +289,18 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
         if (row->row >= 0) rbdi_delta(s, s->path, rbdi_paths_to(m, s, &row->law), row->row, 1);
     }
     rbdi_close_up(delta, s->stride, n);
+
     for (int r = 0; r < n; ++r)
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
-    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
-        for (int j = 0; j < 2 && contact->row >= 0; ++j) {
+
+    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        if (contact->row < 0) continue;
+        for (int j = 0; j < 2; ++j) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
             *d = *d + RBD_C(c->options.slip) / c->dt;
         }
+    }
+
     for (const rbdi_bounded_row *row = c->bound; row < c->bound + c->bounds; ++row)
         if (row->row >= 0) delta[row->row * (n + 1)] = delta[row->row * (n + 1)] + row->law.compliance;
 }

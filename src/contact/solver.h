@@ -65,8 +65,9 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     rbdi_contact_velocities(s);
     rbdi_sweep_back_and_forth(s, 1);
 
-    while (s->solution.residual > s->given.tolerance || !rbdi_contact_end(s)) {
+    for (;;) {
         int tried = 0;
+        if (!(s->solution.residual > s->given.tolerance) && rbdi_contact_end(s)) return;
 
         if (s->solution.residual < least) {
             least = s->solution.residual;

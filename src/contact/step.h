@@ -10,10 +10,10 @@
    by v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and
    makes the other half of the way:
 
-       K = M + A + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
+       K = M + A + dt d,   nu = v_mid + K^-1 (dt (tau - ID(q_mid, at, a(at)) - d v_mid) + J' p)
 
-   with the matrix A that the caller adds, the damping d, and the accelerations a(w) of [straight moves]. The
-   velocity terms are those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu
+   with the matrix A that the caller adds, the damping d, and the accelerations a(at) of [straight moves]. The
+   velocity terms are those of the mean velocity: first at = v_mid, then twice at = (v_mid + nu) / 2 of the nu
    before. Contacts are solved for the first and the last time; the nu between has the impulses of the first.
    Without these, light links that the ground holds would race away. For a vector that turns by x a step the
    length grows in order x^4 / 8 with one correction, and falls in that order with two; from x = 1.4 on
@@ -45,13 +45,15 @@ RBDI_LOCAL rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, 
     return doubt;
 }
 
-/* The middle of the step (or, with c->half = 0, its beginning): state, rows, factor, and c->x[0]. */
+/* The middle of the step (or, with c->half = 0, its beginning): state, rows, factor, and x without
+   corrections. */
 RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
+
     if (c->added && !rbdi_all_finite(c->added, m->nh)) return RBD_ERR_NAN;
 
     rbdi_move_joints(m, c->points, q, v, v, c->half, c->q_mid, c->v_mid);
@@ -64,11 +66,11 @@ RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, co
 
     if (c->options.momentum) rbdi_note_centres(m, c);
     doubt = rbdi_factor_damped(m, c, damping);
-    rbdi_free_impulse(m, c, tau, c->x[0]);
-    return rbdi_factor_status(m, w, w->H, doubt, c->x[0], m->nv);
+    rbdi_free_impulse(m, c, tau, c->x[RBDI_X_UNCORRECTED]);
+    return rbdi_factor_status(m, w, w->H, doubt, c->x[RBDI_X_UNCORRECTED], m->nv);
 }
 
-/* x of the velocity terms c(w), w = (v_mid + nu) / 2 in c->at. */
+/* x of the velocity terms of at = (v_mid + nu) / 2, in c->at. */
 RBDI_LOCAL void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu, const rbd_real *tau,
                              const rbd_real *f_ext, rbd_real *x) {
     rbd_work *w = c->rows->w;
@@ -81,7 +83,9 @@ RBDI_LOCAL void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_r
     rbdi_free_impulse(m, c, tau, x);
 }
 
-/* nu of x and the impulses, by (4). */
+/* nu of x and the impulses p:
+
+       nu = v_mid + L^-1 D^-1 (x + Y p) */
 RBDI_LOCAL void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, const rbd_real *x,
                                      rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
@@ -90,17 +94,10 @@ RBDI_LOCAL void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, con
     for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
 }
 
-/* Solves for the first time, by c->x[0] and with these biases. Computes c->moved. */
-RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose) {
-    rbd_constraint_set *s = c->rows;
+/* Gives the rows of the step to the solver, with biases, springs, and the impulses to begin with. */
+RBDI_LOCAL void rbdi_pose_problem(rbd_contact_set *c, int purpose) {
+    const rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
-    for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[0][k];
-    if (s->rows > 0) {
-        rbdi_reduce_rows(m, s, s->w->H);
-        rbdi_write_delta(m, c);
-    }
-    rbdi_find_falls(c);
-    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, purpose);
 
     given.contacts = c->contacts;
@@ -112,23 +109,40 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     given.upper = c->upper;
     given.tolerance = RBD_C(c->options.tolerance);
     given.iterations = c->options.iterations;
+
     rbdi_contact_begin(&c->solver, &given, s->lambda);
     if (purpose == RBDI_FOR_VELOCITIES) c->solver.given.tolerance = c->solver.given.tolerance * RBDI_LOOSE;
     rbdi_add_springs(c);
-    rbdi_contact_iterate(&c->solver);
-    rbdi_contact_respond(m, c, c->x[0], c->moved);
 }
 
-/* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are.
-   Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns.
+/* Solves for the first time, without corrections and with these biases. Computes c->moved. */
+RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose) {
+    rbd_constraint_set *s = c->rows;
+
+    for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[RBDI_X_UNCORRECTED][k];
+    if (s->rows > 0) {
+        rbdi_reduce_rows(m, s, s->w->H);
+        rbdi_write_delta(m, c);
+    }
+    rbdi_find_falls(c);
+    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
+
+    rbdi_pose_problem(c, purpose);
+    rbdi_contact_iterate(&c->solver);
+    rbdi_contact_respond(m, c, c->x[RBDI_X_UNCORRECTED], c->moved);
+}
+
+/* Corrects the velocity terms for the first time: c->x[RBDI_X_CORRECTED], and c->moved with the impulses as
+   they are. Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns.
    Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
     rbd_real *change = c->rows->x;
     rbd_real changes = rbdi_zero();
     rbd_real speeds = c->solver.given.tolerance;
-    rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
-    for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
+
+    rbdi_correct(m, c, c->moved, tau, f_ext, c->x[RBDI_X_CORRECTED]);
+    for (int k = 0; k < m->nv; ++k) change[k] = c->x[RBDI_X_CORRECTED][k] - c->x[RBDI_X_UNCORRECTED][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);
 
     for (int k = 0; k < m->nv; ++k) {
@@ -139,16 +153,18 @@ RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const 
     return !(changes <= RBDI_EPS * speeds);
 }
 
-/* Corrects them again: c->x[2], and the velocities without impulses. */
+/* Corrects them again: c->x[RBDI_X_CORRECTED_TWICE], and the velocities without impulses. */
 RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                    const rbd_real *f_ext) {
     rbd_constraint_set *s = c->rows;
-    rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
-    rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
+    rbdi_correct(m, c, c->moved, tau, f_ext, c->x[RBDI_X_CORRECTED_TWICE]);
+    rbdi_guard_solution(m, s->w->H, c->x[RBDI_X_UNCORRECTED], c->x[RBDI_X_CORRECTED],
+                        c->x[RBDI_X_CORRECTED_TWICE]);
 
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
-        rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
+        rbdi_subtract(&s->b[span.first],
+                      (c->x[RBDI_X_CORRECTED_TWICE][k] - c->x[RBDI_X_UNCORRECTED][k]) * s->D_inverse[k],
                       &s->Y[k * s->stride + span.first], span.end - span.first);
     }
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
@@ -164,7 +180,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     if (changed)
         rbdi_correct_again(m, c, tau, f_ext);
     else
-        for (int k = 0; k < m->nv; ++k) c->x[2][k] = c->x[1][k];
+        for (int k = 0; k < m->nv; ++k) c->x[RBDI_X_CORRECTED_TWICE][k] = c->x[RBDI_X_CORRECTED][k];
 
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
@@ -177,7 +193,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     }
 
     /* anew: a change that c->moved rounds away would be missing in each step */
-    rbdi_contact_respond(m, c, c->x[2], c->moved);
+    rbdi_contact_respond(m, c, c->x[RBDI_X_CORRECTED_TWICE], c->moved);
 }
 
 /* Chooses the scheme: half of the way by v, or all of it by the solution. */
@@ -212,52 +228,64 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
     c->last_dt = c->dt;
     rbdi_clear(c->impulse, c->max_rows);
     for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
+
     for (int i = 0; i < c->n; ++i) {
         rbdi_contact *contact = &c->contact[i];
         rbdi_v3 impulse;
         rbdi_clear(contact->force, 3);
         if (contact->row < 0) continue;
+
         contact->state = c->solver.law[contact->row / 3].state;
         contact->pushes |= s->lambda[contact->row + 2] > 0;
         impulse = rbdi_contact_vector(s, &s->constraint[i], &s->lambda[contact->row]);
         rbdi_store_vec(contact->force, 1, rbdi_scale(inverse, impulse));
     }
+
     for (int i = 0; i < c->bounds; ++i) rbdi_keep_bounded(c, &c->bound[i]);
 }
 
-/* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
-   may be huge: then those of rbdi_solve_first are the better beginning. A contact that jams, because
-   friction presses it into the plane, cannot be lifted: what is left of the laws is as much as the
-   corrections ask for. Then positions move by c->nu too, without corrections, or the contact would creep
-   through the plane. */
-RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
+/* Solves for c->nu with biases that differ from those of the positions by `asked` at most, m/s. If positions
+   had no solution, their impulses may be huge: then those of rbdi_solve_first are the better beginning. A
+   contact that jams, because friction presses it into the plane, cannot be lifted: what is left of the laws is
+   as much as the corrections ask for. Then positions of all dofs move by c->nu, without corrections, or the
+   contact would creep through the plane. */
+RBDI_LOCAL void rbdi_solve_apart(const rbd_model *m, rbd_contact_set *c, rbd_real asked) {
     const rbd_contact_solution first = c->solver.solution;
-    rbd_real asked;
+    const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
+
+    for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
+    rbdi_contact_iterate(&c->solver);
+    rbdi_contact_respond(m, c, c->half > 0 ? c->x[RBDI_X_CORRECTED_TWICE] : c->x[RBDI_X_UNCORRECTED], c->nu);
+
+    c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
+    for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
+
+    c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
+    c->solver.solution.sweeps += first.sweeps;
+    c->solver.solution.newton_steps += first.newton_steps;
+}
+
+/* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
+   penetration was corrected, or a contact that pushed rebounds. */
+RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     int finite = rbdi_all_finite(c->b, c->rows->rows) && rbdi_all_finite(c->q_mid, m->nq);
+    rbd_real asked;
+
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     asked = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     c->differ = asked > 0;
     c->jams = 0;
-    if (c->differ) {
-        const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
-        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
-        rbdi_contact_iterate(&c->solver);
-        rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
-        c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
-        for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
-        c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
-        c->solver.solution.sweeps += first.sweeps;
-        c->solver.solution.newton_steps += first.newton_steps;
-    }
+    if (c->differ) rbdi_solve_apart(m, c, asked);
     rbdi_keep_impulses(c);
+
     for (int k = 0; k < m->nv; ++k)
         finite &= rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST;
     for (int i = 0; i < c->n; ++i) {
         finite &= rbdi_all_finite(c->contact[i].force, 3);
         finite &= rbdi_all_finite(&c->contact[i].gap.start, 1);
     }
+
     return finite ? RBD_OK : RBD_ERR_NAN;
 }
 
@@ -274,9 +302,13 @@ RBDI_LOCAL rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, co
 /* Writes the state after the step; after an error, q and v = 0. */
 RBDI_LOCAL void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                                   const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
-    if (!status) rbdi_move_joints(m, c->points, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
-    for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
-    if (status) rbdi_clear(v_next, m->nv);
+    if (!status) {
+        rbdi_move_joints(m, c->points, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
+        return;
+    }
+
+    for (int k = 0; k < m->nq; ++k) q_next[k] = q[k];
+    rbdi_clear(v_next, m->nv);
 }
 
 RBDI_LOCAL rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {

@@ -20,8 +20,8 @@
    times more is an error that random trees see; a tenth is near rounding, and no test sees it: tried.
    RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten
    times more or less all tests pass as well: tried.
-   RBDI_JAMS: positions whose residual exceeds this share of the corrections have no solution. It is all of
-   them where a contact jams. */
+   RBDI_JAMS: positions whose residual exceeds this share of the corrections have no solution. Where a contact
+   jams the residual equals the corrections. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)

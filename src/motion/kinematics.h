@@ -109,8 +109,9 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     q = rbdi_expand_q(m, w, q);
     l = m->link;
-    leaf =
-        last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path, and of no others */
+
+    /* a dof of the subtrees of all links on the path, and of no others */
+    leaf = last < 0 ? 0 : l[last].first;
 
     /* each run of links on the path, first .. end - 1. The links between do not move the body */
     for (int first = 0, end; first <= last; first = end) {

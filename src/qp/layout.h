@@ -77,7 +77,7 @@ typedef struct rbdi_qp {
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
     rbdi_qp_shape shape;
     int n, all, soft;  /* variables, rows with bounds, soft rows */
-    int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
+    int watches;       /* rows that x may miss: not 0, with a side */
     int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
     int reflections;   /* equalities, and until there is J the active rows */
@@ -93,8 +93,7 @@ typedef struct rbdi_qp {
 
     rbd_real *L; /* packed rows, its diagonal inverted */
     rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
-    rbd_real
-        *J; /* columns x n: each column of J is a row here; NULL until a row joins or a soft one is there */
+    rbd_real *J; /* columns x n, each column a row here; NULL with no active row and no soft one */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
     rbd_real *d, *r;   /* n + soft: see [method] */

@@ -13,6 +13,7 @@ LINES = [
     ("    t->worst = std::fmax(t->worst, x);", "fmax passes"),
     ("worst = std::max(worst, x);", "max passes"),
     ("error = isfinite(x) ? fmax(error, x) : HUGE_VAL;", "fmax passes"),
+    ("wound = fmax(0, fabs(x) - y);", "fmax passes"),
     ("*worst = fmax(*worst, x);", "fmax passes"),
     ("size[k] = fmax(size[k], fabs(x));", "fmax passes"),
     ("if (!(x <= worst)) worst = x;", "next number"),

@@ -59,8 +59,8 @@ static void run(int of, uint64_t start, tally *t) {
     if (status == RBD_QP_INFEASIBLE) worst = judge_proof(&p);
     t->worst = larger(t->worst, worst.share);
 
-    failed |= worst.share > allowed;
-    failed |= status == RBD_QP_OK && (of == CONTRADICTION || gradient_share(&p) > 20 * RBDI_QP_ACCURACY);
+    failed |= !(worst.share <= allowed);
+    failed |= status == RBD_QP_OK && (of == CONTRADICTION || !(gradient_share(&p) <= 20 * RBDI_QP_ACCURACY));
     failed |= status == RBD_QP_INFEASIBLE && of != CONTRADICTION;
     failed |= status < RBD_QP_INACCURATE || status == RBD_QP_UNBOUNDED;
     failed |= sizeof(rbd_real) == 8 && status == RBD_QP_INACCURATE;

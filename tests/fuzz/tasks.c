@@ -11,6 +11,8 @@
    - no feasible move makes the last level better: along the gradient, projected onto what limits leave, with
      each of the limits that hold left out in turn, and random ones;
    - of a problem that is called infeasible projections onto its rows find no answer either;
+   - what a level tells its QP of its zeros is so: without being told the QP has the same answer, to the last
+     bit, and with some rows soft and guesses that are wrong too;
    - a field that is NaN, 1e30 or -1 where it must not be is refused by name, and outputs are as they were.
 
    An answer of a QP that is not exact, but near enough to be called so, is judged by its rows alone. Prints a
@@ -833,6 +835,73 @@ static void judge_levels(int first_tasks, const answer *first, const answer *all
     }
 }
 
+/* ---- zeros of a level's QP ---- */
+
+/* What H has beside its diagonal in the rows of forces, which nobody may read who is told. */
+static void put_beside_diagonal(rbdi_tasks *k, double value) {
+    for (int i = k->nv; i < k->n; i++)
+        for (int j = 0; j < k->n; j++)
+            if (j != i) k->H[i * k->n + j] = (rbd_real)value;
+}
+
+/* The QP of a level, as rbdi_tasks_solve_level left it, without being told where it is 0. */
+static void judge_untold(rbdi_tasks *k, int rows, rbd_real *x, signed char *side) {
+    static unsigned char qp_memory[sizeof memory];
+    static rbd_real lambda[ROWS];
+    const rbd_qp_problem qp = {.n = k->n,
+                               .bounds = k->n,
+                               .rows = rows,
+                               .H = k->H,
+                               .f = k->f,
+                               .C = k->C,
+                               .lower = k->lower,
+                               .upper = k->upper,
+                               .soft = k->given->limit_weight > 0 || k->given->torque_weight > 0 ? k->soft
+                                                                                                 : NULL};
+    const rbd_qp_options options = {.warm = k->given->warm, .steps = k->given->steps};
+    rbd_qp_result result;
+    put_beside_diagonal(k, 0);
+    rbd_qp_solve(&qp, &options, qp_memory, sizeof qp_memory, x, lambda, side, &result);
+
+    for (int i = 0; i < k->n; i++)
+        if (!(x[i] == k->x[i])) fail("x differs by what is told of zeros", (double)(x[i] - k->x[i]));
+    for (int row = 0; row < k->n + rows; row++) {
+        if (!(lambda[row] == k->lambda[row]))
+            fail("lambda differs by what is told of zeros", (double)(lambda[row] - k->lambda[row]));
+        if (side[row] != k->side[row]) fail("a side differs by what is told of zeros", row);
+    }
+}
+
+/* Level by level as rbdi_tasks_descend does, with any guess. */
+static void judge_zeros(void) {
+    uint64_t seed = number;
+    rbd_tasks p = g.p;
+    rbd_tasks_result result;
+    p.warm = below(&seed, 2);
+    if (below(&seed, 2)) p.limit_weight = (rbd_real)uniform(&seed, 1, 1000);
+    if (below(&seed, 2)) p.torque_weight = (rbd_real)uniform(&seed, 1, 1000);
+    rbdi_tasks *k = rbdi_tasks_begin(g.m, g.w, &p, g.q, g.v, g.accelerations, memory, &result);
+    const int limits = RBD_TASK_LEVELS * (2 * k->nv + RBDI_TASKS_CONTACT * p.contacts);
+    for (int i = 0; i < limits; i++) k->kept[i] = (signed char)(below(&seed, 3) - 1);
+
+    for (int level = 0; level < RBD_TASK_LEVELS; level++) {
+        static rbd_real x[N];
+        static signed char side[ROWS];
+        const int rows = k->rows;
+        if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
+        memset(k->x, 0, (size_t)k->n * sizeof *x);
+        memset(x, 0, sizeof x);
+        rbdi_tasks_keep(k, level, rows, 0);
+        memcpy(side, k->side, (size_t)(k->n + rows));
+
+        put_beside_diagonal(k, NAN);
+        const rbd_qp_status status = rbdi_tasks_solve_level(k, level, rows);
+        judge_untold(k, rows, x, side);
+        if (status != RBD_QP_OK) return;
+        rbdi_tasks_freeze(k, rows);
+    }
+}
+
 /* ---- bad input ---- */
 
 enum { NOT_A_NUMBER = 1, HUGE_ONE = 2, NEGATIVE = 4 };
@@ -952,6 +1021,7 @@ static void try_problem(uint64_t start, tally tallies[2]) {
         if (all.status >= 0) judge_levels(first_tasks, &first, &all);
         if (all.status == RBD_TASKS_OK) judge(&all, g.p.tasks, last);
     }
+    judge_zeros();
     if (start % 4 == 0) judge_refusals();
 }
 
