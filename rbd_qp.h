@@ -2577,6 +2577,10 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         rbd_real moved = 0, furthest = 0, size;
         rbd_qp_status status;
 
+        /* The centre is all that a round has of those before it. */
+        rbdi_qp_clear(s->reach, s->n);
+        s->furthest = rbdi_qp_largest(s->centre, s->n);
+
         rbdi_qp_optimum_on_equalities(s);
         if (s->result.rounds == 0) rbdi_qp_first_soft_rows(s);
         status = rbdi_qp_round(s, x, miss);
@@ -2824,9 +2828,15 @@ RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_r
 /* The verdict on x and lambda. `ended`: x is as rbdi_qp_refine left it, with the values of the rows; if no
    multiplier had to be set to 0 and there is no rho, so is result.dual. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real *lambda) {
-    const int as_refined = rbdi_qp_multipliers(s, lambda) && ended && !(s->rho > 0);
+    rbd_real size = 0, push = 0;
+    int as_refined;
 
-    if (!ended) rbdi_qp_evaluate(s, x, 1);
+    if (!ended) { /* the equalities may have no multipliers yet */
+        rbdi_qp_residuals(s, x, &size, &push);
+        rbdi_qp_balance(s, s->t, s->z);
+        rbdi_qp_evaluate(s, x, 1);
+    }
+    as_refined = rbdi_qp_multipliers(s, lambda) && ended && !(s->rho > 0);
     rbdi_qp_verify_rows(s, x, lambda);
     if (!as_refined) rbdi_qp_verify_optimum(s, x, lambda);
 }

@@ -680,6 +680,36 @@ START_TEST(any_guess_leads_to_the_same_solution) {
 }
 END_TEST
 
+/* Rounds from a guess that is far off, along which H does not bend, end near the rows. What x was on the way
+   excuses no miss. */
+START_TEST(a_guess_far_off_excuses_no_miss) {
+    const double far = sizeof(rbd_real) == 4 ? 1e6 : 1e14;
+    rbd_qp_options warm = {0, 0, 0, 0};
+    int solved = 0;
+    warm.warm = 1;
+    seed = 2711;
+    for (int k = 0; k < 600; k++) {
+        const rbd_qp_problem p = random_problem(SEMIDEFINITE);
+        for (int i = 0; i < p.n; i++) x[i] = (rbd_real)(far * uniform());
+        for (int row = 0; row < p.bounds + p.rows; row++) side[row] = (signed char)between(-1, 1);
+        if (rbd_qp_solve(&p, &warm, memory, sizeof memory, x, lambda, side, &result) != RBD_QP_OK) continue;
+
+        ++solved;
+        for (int row = 0; row < p.bounds + p.rows; row++) {
+            double value = 0, terms = 0, miss;
+            for (int j = 0; j < p.n; j++) {
+                value += entry(&p, row, j) * (double)x[j];
+                terms += fabs(entry(&p, row, j)) * largest_of(x, p.n);
+            }
+            miss = larger((double)lower[row] - value, value - (double)upper[row]);
+            ck_assert_msg(!(miss > loose * (terms + fabs(value))), "problem %d, row %d: missed by %g of %g",
+                          k, row, miss, terms);
+        }
+    }
+    ck_assert_int_ge(solved, 300);
+}
+END_TEST
+
 START_TEST(a_problem_that_drifts_is_solved_ten_thousand_times) {
     rbd_qp_options warm = {0, 0, 0, 0};
     rbd_qp_problem p;
@@ -1420,6 +1450,22 @@ START_TEST(sums_that_overflow_are_not_ok) {
 }
 END_TEST
 
+/* x = (-1, 1, 1) needs two steps. One of them leaves the equality the multiplier of where x is then, whatever
+   was in the memory. */
+START_TEST(an_unfinished_x_has_multipliers_of_equalities) {
+    const rbd_real square[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, slope[3] = {0, -6, -3}, sum[3] = {1, 1, 0};
+    const rbd_real below[4] = {-RBD_QP_NONE, -RBD_QP_NONE, -RBD_QP_NONE, 0},
+                   above[4] = {RBD_QP_NONE, 1, 1, 0};
+    const rbd_qp_problem p = {
+        .n = 3, .bounds = 3, .rows = 1, .H = square, .f = slope, .C = sum, .lower = below, .upper = above};
+    const rbd_qp_options once = {.steps = 1};
+    memset(memory, 0xff, sizeof memory);
+    ck_assert_int_eq(rbd_qp_solve(&p, &once, memory, sizeof memory, x, lambda, side, &result),
+                     RBD_QP_ITERATIONS);
+    ck_assert(fabs((double)(x[0] + lambda[3])) <= tight);
+}
+END_TEST
+
 START_TEST(results_that_are_too_large_are_none) {
     char text[100];
     rbd_qp_problem p = problem_of(2, 0, 0);
@@ -1508,6 +1554,7 @@ int main(void) {
     tcase_add_test(c, small_problems_agree_with_all_choices_of_sides);
     tcase_add_test(c, soft_rows_are_slacks);
     tcase_add_test(c, any_guess_leads_to_the_same_solution);
+    tcase_add_test(c, a_guess_far_off_excuses_no_miss);
     tcase_add_test(c, a_problem_that_drifts_is_solved_ten_thousand_times);
     tcase_add_test(c, an_unfinished_gradient_is_told);
     tcase_add_test(c, order_and_units_do_not_matter);
@@ -1536,6 +1583,7 @@ int main(void) {
     tcase_add_test(c, multipliers_that_overflow_are_named);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
     tcase_add_test(c, an_unfinished_x_is_judged_where_it_is);
+    tcase_add_test(c, an_unfinished_x_has_multipliers_of_equalities);
     tcase_add_test(c, results_that_are_too_large_are_none);
     tcase_add_test(c, the_memory_is_enough);
     tcase_add_test(c, what_was_found_is_a_sentence);

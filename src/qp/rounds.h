@@ -172,6 +172,10 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         rbd_real moved = 0, furthest = 0, size;
         rbd_qp_status status;
 
+        /* The centre is all that a round has of those before it. */
+        rbdi_qp_clear(s->reach, s->n);
+        s->furthest = rbdi_qp_largest(s->centre, s->n);
+
         rbdi_qp_optimum_on_equalities(s);
         if (s->result.rounds == 0) rbdi_qp_first_soft_rows(s);
         status = rbdi_qp_round(s, x, miss);
