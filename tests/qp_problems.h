@@ -123,7 +123,7 @@ static judgement judge_solution(const rbd_qp_problem *p) {
 /* The largest component of Hx + f + C'lambda, as a share of the largest term of the cost: what result.dual
    states. Not of lambda of hard rows, whose terms may cancel. */
 static double gradient_share(const rbd_qp_problem *p) {
-    long double worst = 0, largest = 0;
+    double worst = 0, largest = 0;
 
     for (int i = 0; i < p->n; i++) {
         long double sum = (long double)p->f[i], terms = fabsl(sum);
@@ -137,10 +137,10 @@ static double gradient_share(const rbd_qp_problem *p) {
             sum += term;
             if (p->soft && p->soft[row] > 0) terms += fabsl(term);
         }
-        if (!(fabsl(sum) <= worst)) worst = fabsl(sum);
-        if (terms > largest) largest = terms;
+        worst = larger(worst, (double)fabsl(sum));
+        largest = larger(largest, (double)terms);
     }
-    return (double)(largest > 0 ? worst / largest : worst);
+    return largest > 0 ? worst / largest : worst;
 }
 
 /* How well lambda proves a contradiction: lambda' rows = 0, and lambda' sides < 0. */
