@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Iterable, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _array, _Declared, _int, _number, _numbers, _utf8, _whole
+from ._arguments import (_array, _Declared, _entries, _instance, _int, _list, _model, _ndim, _number, _numbered,
+                         _numbers, _text, _utf8, _whole)
 from ._contacts import ContactSet
 from ._headers import Array, Matrix, Numbers, RbdError, Status, TransmissionKind, structure
 
@@ -137,10 +138,7 @@ def _fill(given, row, where):
         name, value = item.name, getattr(given, item.name)
         kind = dict(row._fields_)[name]
         if kind is ctypes.c_char_p:
-            try:
-                setattr(row, name, None if value is None else _utf8(value))
-            except (TypeError, ValueError) as error:
-                raise type(error)(f"{where}, field '{name}' {error}") from None
+            setattr(row, name, _text(where, name, value))
         elif kind is ctypes.c_int:
             setattr(row, name, _int(_whole(where, name, value)))
         elif isinstance(value, Friction):
@@ -161,15 +159,17 @@ def _listed(names, most=8):
 
 def _transmission(given, row, where):
     """Writes a Transmission into a C struct."""
-    if not isinstance(given, Transmission):
-        raise TypeError(f"{where}: must be a Transmission, not {type(given).__name__}")
-    rods, joints = list(given.rod or ()), [given.joint] if isinstance(given.joint, str) else list(given.joint or ())
+    rods = [] if given.rod is None else _list(where, "rod", given.rod, Rod)
+    joints = [] if given.joint is None else [given.joint] if isinstance(given.joint, str) else _entries(
+        where, "joint", given.joint, str)
+    if not joints:
+        raise ValueError(f"{where}, field 'joint': missing")
     if (given.matrix is None) == (not rods):
         raise ValueError(f"{where}: must have either a matrix or rods")
     if len(joints) > 3 or rods and len(rods) != len(joints) or len(rods) > 2:
         raise ValueError(f"{where}: has {len(joints)} joints and {len(rods)} rods; up to 3 joints by a matrix, up to 2 by "
                          "a rod each")
-    row.name = None if given.name is None else _utf8(given.name)
+    row.name = _text(where, "name", given.name)
     row.kind = TransmissionKind.RODS if rods else TransmissionKind.MATRIX
     row.n, row.motor = len(joints), _int(_whole(where, "motor", given.motor))
     try:
@@ -179,8 +179,6 @@ def _transmission(given, row, where):
     if not rods:
         row.matrix[:len(joints)**2] = _numbers(where, "matrix", given.matrix, (len(joints),) * 2).reshape(-1)
     for number, rod in enumerate(rods):
-        if not isinstance(rod, Rod):
-            raise TypeError(f"{where}, rod {number}: must be a Rod, not {type(rod).__name__}")
         _fill(rod, row.rod[number], f"{where}, rod {number}")
 
 
@@ -201,16 +199,16 @@ class Actuators(_Declared):
     library: Library
 
     def __init__(self, model: Model, motors: Iterable[Motor], transmissions: Iterable[Transmission] = ()):
-        self.model, self.library, self._lock = model, model.library, model._lock
-        self.motors, self.transmissions = copy.deepcopy((list(motors), list(transmissions)))  # copies are built of these
+        self.model = _model("actuators", model)
+        self.library, self._lock = model.library, model._lock
+        tables = (_list("actuators", "motors", motors, Motor),
+                  _list("actuators", "transmissions", transmissions, Transmission))
+        self.motors, self.transmissions = copy.deepcopy(tables)  # copies are built of these
         self.n, scalar = len(self.motors), self.library.scalar
         self._rows = (structure("rbd_motor", scalar) * max(self.n, 1))()
         self._groups = (structure("rbd_transmission", scalar) * max(len(self.transmissions), 1))()
         for number, motor in enumerate(self.motors):
-            where = f"motor {number}" + (f" '{motor.name}'" if getattr(motor, "name", None) else "")
-            if not isinstance(motor, Motor):
-                raise TypeError(f"actuators: {where}: must be a Motor, not {type(motor).__name__}")
-            _fill(motor, self._rows[number], f"actuators: {where}")
+            _fill(motor, self._rows[number], f"actuators: {_numbered('motor', number, motor)}")
         for number, given in enumerate(self.transmissions):
             _transmission(given, self._groups[number], f"actuators: transmission {number}")
         self._make()
@@ -236,9 +234,7 @@ class Actuators(_Declared):
         return Actuators, (self.model, self.motors, self.transmissions)
 
     def _state(self, call, name, value, width):
-        """One state's array; None for a v of zero. One of another length is of another robot."""
-        if value is None:
-            return None
+        """One state's array. One of another length is of another robot."""
         array = _array(call, name, value, self.library.dtype)
         if array.ndim == 1 and len(array) != width:
             raise ValueError(f"{call}: {name} has {len(array)} numbers, but these actuators are of a robot with {width}: its "
@@ -257,10 +253,11 @@ class Actuators(_Declared):
             raise ValueError(f"step: contacts are of a model in {contacts.library.real}, these actuators of one in "
                              f"{self.library.real}")
 
-    def _checked(self, call, status):
-        """Raises the error of a call."""
+    def _checked(self, call, status, number=""):
+        """Raises the error of a call. number: the one that may be out of range."""
         if not status:
             return
+        call += f": {number}" if status == Status.ERR_RANGE and number else ""
         where = self.library.call("actuators_fault", self._actuators)
         text = {Status.ERR_INFEASIBLE: "a rod does not reach", Status.ERR_SINGULAR: "a rod is at its dead centre"}.get(
             status, self.library.status_string(status))
@@ -268,7 +265,8 @@ class Actuators(_Declared):
 
     def map(self, q: ArrayLike, v: ArrayLike | None = None) -> tuple[Array, Array]:
         """Shaft angles and speeds, n each, of a state: q nq, v nv or None for zero."""
-        q, v = self._state("map", "q", q, self.model.nq), self._state("map", "v", v, self.model.nv)
+        q = self._state("map", "q", q, self.model.nq)
+        v = None if v is None else self._state("map", "v", v, self.model.nv)
         angle, speed = np.zeros((2, self.n), self.library.dtype)
         with self._lock:
             self._checked("map", self.library.call("actuators_map", self._actuators, q, v, angle, speed))
@@ -294,10 +292,11 @@ class Actuators(_Declared):
         """Puts all shafts at rest where q has them, as warm as the air, in degrees."""
         q = self._state("reset", "q", q, self.model.nq)
         with self._lock:
-            self._checked("reset", self.library.call("actuators_reset", self._actuators, q, self._real("air", air)))
+            status = self.library.call("actuators_reset", self._actuators, q, self._real("reset", "air", air))
+            self._checked("reset", status, f"air is {air}")
 
-    def _real(self, name, value):
-        return self.library.scalar(_number("actuators", name, value))
+    def _real(self, call, name, value):
+        return self.library.scalar(_number(call, name, value))
 
     def step(self, q: ArrayLike, v: ArrayLike, dt: float, *, torque: ArrayLike = 0.0, position: ArrayLike = 0.0,
              speed: ArrayLike = 0.0, kp: ArrayLike = 0.0, kd: ArrayLike = 0.0, voltage: ArrayLike = 0.0,
@@ -312,9 +311,10 @@ class Actuators(_Declared):
             contacts   the ContactSet that makes the step; None: Model.free_step"""
         call, model, dtype = self.library.call, self.model, self.library.dtype
         if contacts is not None:
-            self._same_robot(contacts)
+            self._same_robot(_instance("step", "contacts", contacts, ContactSet))
         q, v = self._state("step", "q", q, model.nq), self._state("step", "v", v, model.nv)
         more = np.zeros(model.nv, dtype) if tau is None else self._state("step", "tau", tau, model.nv)
+        f_ext = None if f_ext is None else _numbers("step", "f_ext", f_ext, (model.nb, 6), dtype)
         commands = (structure("rbd_command", self.library.scalar) * self.n)()
         for name, given, value in (("q", "position", position), ("v", "speed", speed), ("kp", "kp", kp), ("kd", "kd", kd),
                                    ("torque", "torque", torque), ("voltage", "voltage", voltage)):
@@ -328,8 +328,9 @@ class Actuators(_Declared):
         told, damping = np.zeros((2, model.nv), dtype)
         move = model.free_step if contacts is None else contacts.step
         with self._lock:
-            self._checked("step", call("actuators_begin", self._actuators, commands, q, v, self._real("dt", dt),
-                                       int(first_order), told, damping))
+            status = call("actuators_begin", self._actuators, commands, q, v, self._real("step", "dt", dt), int(first_order),
+                          told, damping)
+            self._checked("step", status, f"dt is {dt}")
             v_next = np.full(model.nv, np.nan, dtype)
             try:
                 while True:
@@ -343,11 +344,13 @@ class Actuators(_Declared):
 
     def _command(self, name, value, positive):
         """A number for each motor, from one or n."""
-        if np.ndim(value) == 0:
+        if _ndim("step", name, value) == 0:
             value = np.full(self.n, _number("step", name, value))
         array = _numbers("step", name, value, (self.n,), self.library.dtype)
         if positive and (array < 0).any():
             raise ValueError(f"step: {name}[{int(np.argmin(array))}] is negative")
+        if (np.abs(array) > 1e9).any():
+            raise ValueError(f"step: {name}[{int(np.argmax(np.abs(array)))}] is above 1e9")
         return array
 
     def get(self) -> ActuatorStates:
@@ -364,7 +367,7 @@ class Actuators(_Declared):
         number = _whole("friction", "motor", motor)
         if not 0 <= number < self.n:
             raise IndexError(f"friction: no such motor: {number}; there are {self.n}")
-        values = [self._real(name, x) for name, x in (("speed", speed), ("torque", torque), ("joint", joint))]
+        values = [self._real("friction", name, x) for name, x in (("speed", speed), ("torque", torque), ("joint", joint))]
         level = self.library.call("friction_level", ctypes.byref(self._rows[number].friction), *values,
                                   result=self.library.scalar)
         assert math.isfinite(level)
@@ -374,12 +377,10 @@ class Actuators(_Declared):
 def _rotor_torque(model, rotors, q, v, a, f_ext):
     """rbd_rotor_torque of a Model."""
     library, dtype = model.library, model.library.dtype
-    rotors = list(rotors)
+    rotors = _list("rotor_torque", "rotors", rotors, Rotor)
     rows = (structure("rbd_rotor", library.scalar) * max(len(rotors), 1))()
     for number, rotor in enumerate(rotors):
         where = f"rotor_torque: rotor {number}"
-        if not isinstance(rotor, Rotor):
-            raise TypeError(f"{where}: must be a Rotor, not {type(rotor).__name__}")
         if not 0 <= _whole(where, "dof", rotor.dof) < model.nv:
             raise IndexError(f"{where}: no such dof: {rotor.dof}; there are {model.nv}")
         _fill(Rotor(model._body(rotor.body, where, world=True), rotor.dof, rotor.axis, rotor.gear, rotor.inertia),

@@ -156,6 +156,14 @@ def _array(call, name, value, dtype=np.dtype(float)):
     return array
 
 
+def _ndim(call, name, value):
+    """How many axes a value has; refuses rows of different lengths by name."""
+    try:
+        return np.ndim(value)
+    except ValueError as error:
+        raise TypeError(f"{call}: {name} is not an array of numbers: {error}") from None
+
+
 def _numbers(call, name, value, shape, dtype=np.dtype(float), symbols=None):
     """An array of finite numbers of this type and shape, in one piece; refuses others by name. A `None` in
     the shape is any length. symbols: the shape in words, for messages."""
@@ -240,13 +248,69 @@ def _finite(call, name, array, error=ValueError):
 def _utf8(text):
     """A name as C's text. Bytes that are not UTF-8, as C may give them, are those that they were."""
     if not isinstance(text, str):
-        raise TypeError(f"must be text, not {text!r}")
+        raise TypeError(f"must be text, not {text!r:.60}")
     if "\0" in text:
         raise ValueError(f"{text!r} has a NUL, where text of C ends")
     try:
         return text.encode("utf-8", "surrogateescape")
     except UnicodeEncodeError:
         raise ValueError(f"{text!r} is not text of Unicode") from None
+
+
+def _text(where, name, value):
+    """A field that is a name, as C's text; None of None."""
+    try:
+        return None if value is None else _utf8(value)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{where}, field '{name}' {error}") from None
+
+
+def _numbered(word, number, row):
+    """How messages call a row of a table: by its number, and its name if it has one."""
+    name = getattr(row, "name", None)
+    return f"{word} {number}" + (f" '{name}'" if isinstance(name, (str, int)) and name else "")
+
+
+def _instance(call, name, value, kind):
+    """A value of this class; refuses others by name."""
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        raise TypeError(f"{call}: {name} must be {article} {kind.__name__}, not {type(value).__name__}")
+    return value
+
+
+def _model(call, value):
+    """A Model; refuses others."""
+    from ._model import Model  # which imports this module
+    return _instance(call, "model", value, Model)
+
+
+def _is_list(value):
+    """Whether a value has entries in an order; text and a dict have not."""
+    return hasattr(value, "__iter__") and not isinstance(value, (str, bytes, dict)) and getattr(value, "ndim", 1) > 0
+
+
+def _entries(call, name, value, kind):
+    """The entries of a list, which should be of this class; refuses a single one, and what is no list."""
+    if isinstance(value, kind) or not _is_list(value):
+        raise TypeError(f"{call}: {name} must be a list of {kind.__name__}, not {type(value).__name__}")
+    return list(value)
+
+
+def _list(call, name, value, kind):
+    """A list whose entries are all of this class; refuses others by name and number."""
+    entries = _entries(call, name, value, kind)
+    for number, entry in enumerate(entries):
+        _instance(call, f"{name.rstrip('s')} {number}", entry, kind)
+    return entries
+
+
+def _mask(call, name, value, n):
+    """Flags of n degrees of freedom, 0 or 1."""
+    flags = _numbers(call, name, value, (n,))
+    if ((flags != 0) & (flags != 1)).any():
+        raise ValueError(f"{call}: {name} must be 0 or 1 for each degree of freedom")
+    return flags.astype(np.uint8)
 
 
 def _int(index):
@@ -283,7 +347,9 @@ def _number(call, name, value):
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise TypeError(f"{call}: {name} must be a number, not {value!r}") from None
+        raise TypeError(f"{call}: {name} must be a number, not {value!r:.60}") from None
+    except OverflowError:  # a whole number of Python has no limit
+        raise ValueError(f"{call}: {name} is too large for a float") from None
     if not math.isfinite(number):
         raise ValueError(f"{call}: {name} is {number}")
     return number

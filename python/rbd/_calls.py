@@ -11,7 +11,7 @@ from collections import namedtuple
 import numpy as np
 
 from ._arguments import (_Declared, _GAINS, _INTEGERS, _MASKS, _QUANTITIES, _SCALARS, _array, _axes, _broadcast, _finite,
-                         _flag, _number, _numbers, _shape)
+                         _flag, _ndim, _number, _numbers, _shape)
 from ._headers import RbdError, Status
 
 
@@ -140,7 +140,7 @@ class _Bound:
                 if value is None and optional:
                     arguments[place] = None
                 elif view is None:
-                    if name in _SCALARS and isinstance(value, (np.ndarray, list, tuple)) and np.ndim(value):
+                    if name in _SCALARS and isinstance(value, (np.ndarray, list, tuple)) and _ndim(self.call.name, name, value):
                         return self._many(values)
                     arguments[place] = self._convert(name, value)
                 else:

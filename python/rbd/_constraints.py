@@ -7,7 +7,7 @@ import ctypes
 from dataclasses import replace
 from typing import Iterable, Sequence, TYPE_CHECKING
 
-from ._arguments import _int, _whole
+from ._arguments import _entries, _instance, _int, _model, _numbered, _whole
 from ._calls import _Owner, _c
 from ._descriptions import Constraint, _to_c
 from ._headers import RbdError, Status, structure
@@ -17,17 +17,14 @@ if TYPE_CHECKING:
     from ._model import Model
 
 
-def _pairs(model, rows, kind, what):
+def _pairs(model, rows, kind, call, name="rows"):
     """Constraints or contacts as a list, and as an array of the C struct."""
     word = kind.__name__.lower()
-    if isinstance(rows, (kind, str, bytes, dict)) or not hasattr(rows, "__iter__"):
-        raise TypeError(f"{what} must be a list of {kind.__name__}, not {type(rows).__name__}")
-    rows = list(rows)
+    rows = _entries(call, name, rows, kind)
     array = (structure(f"rbd_{word}") * len(rows))()
     for number, row in enumerate(rows):
-        if not isinstance(row, kind):
-            raise TypeError(f"{word} {number} must be a {kind.__name__}, not {type(row).__name__}")
-        where = f"{word} {number}" + (f" '{row.name}'" if row.name else "")
+        _instance(call, f"{word} {number}", row, kind)
+        where = f"{call}: {_numbered(word, number, row)}"
         bodies = {side: model._body(getattr(row, side), f"{where}, field '{side}'", world=True)
                   for side in ("body1", "body2")}
         _to_c(replace(row, **bodies), array[number], where)
@@ -46,9 +43,10 @@ class ConstraintSet(_Owner):
     library: Library
 
     def __init__(self, model: Model, rows: Iterable[Constraint]):
+        _model("constraint_set", model)
         super().__init__(model.library, model._lock)
         self.model, self.nv = model, model.nv
-        self.list, self._rows = _pairs(model, rows, Constraint, "constraint_set: rows")
+        self.list, self._rows = _pairs(model, rows, Constraint, "constraint_set")
         self._prepare("constraint_set", "work")
         self.rows = self.library.call("constraint_rows", self._addresses["constraint_set"])
         self._dims = {**model._dims, "rows": self.rows}

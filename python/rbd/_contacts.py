@@ -10,7 +10,7 @@ from typing import Iterable, NamedTuple, Sequence, TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _number, _numbers, _whole
+from ._arguments import _is_list, _model, _number, _numbers, _whole
 from ._calls import _Owner, _c
 from ._constraints import _pairs
 from ._descriptions import Constraint, Contact, ContactOptions, _to_c
@@ -68,10 +68,11 @@ class ContactSet(_Owner):
 
     def __init__(self, model: Model, rows: Iterable[Contact], held: Iterable[Constraint] = (),
                  options: ContactOptions | None = None):
+        _model("contacts", model)
         super().__init__(model.library, model._lock)
         self.model, self.nv, self._dims = model, model.nv, model._dims
-        self.list, self._rows = _pairs(model, rows, Contact, "contacts: rows")
-        self.held, self._held = _pairs(model, held, Constraint, "contacts: held")
+        self.list, self._rows = _pairs(model, rows, Contact, "contacts")
+        self.held, self._held = _pairs(model, held, Constraint, "contacts", "held")
         options = ContactOptions() if options is None else options
         if not isinstance(options, ContactOptions):
             raise TypeError(f"contacts: options must be ContactOptions, not {type(options).__name__}")
@@ -79,7 +80,7 @@ class ContactSet(_Owner):
         self._planes = {}  # those that plane() set: normal and height, by number of the contact
         self._bounded, self._friction, self._added = {}, {}, None  # of row_set(), friction() and inertia()
         self._options = structure("rbd_contact_options")()
-        _to_c(self.options, self._options, "options")
+        _to_c(self.options, self._options, "contacts: options")
         self._address("contact_set")
 
     def _prepare(self, kind):
@@ -212,8 +213,9 @@ class ContactSet(_Owner):
             compliance   speed per impulse, 1/(kg m^2) or 1/kg
         """
         call = "row_set"
-        if not isinstance(dofs, (Sequence, np.ndarray)):
-            raise TypeError(f"{call}: dofs must be a list of whole numbers, not {dofs!r}")
+        if not _is_list(dofs):
+            raise TypeError(f"{call}: dofs must be a list of whole numbers, not {dofs!r:.60}")
+        dofs = list(dofs)
         n = len(dofs)
         if n > 3:
             raise ValueError(f"{call}: dofs has {n} entries, and a row has 3 at most")

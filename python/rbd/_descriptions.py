@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ._arguments import _Declared, _array, _int, _utf8
+from ._arguments import _Declared, _array, _int, _numbered, _utf8
 from ._compiling import _c_compiler, _compile
 from ._headers import JointType, Matrix, Numbers, structure
 from ._plain_table import _plain_rows
@@ -128,9 +128,9 @@ def _to_c(values, row, where):
                     raise ValueError(f"has {len(numbers)} numbers instead of {kind._length_}" +
                                      " (xx xy xz yy yz zz)" * (member == "inertia"))
                 if kind._type_ is ctypes.c_int:
-                    if (numbers != np.rint(numbers)).any():
+                    if (~np.isfinite(numbers) | (numbers != np.rint(numbers))).any():
                         raise ValueError("must be whole numbers")
-                    numbers = map(int, numbers)
+                    numbers = [_int(int(x)) for x in numbers]
                 value = kind(*numbers)
             elif member == "type":
                 value = JointType[value.upper()] if isinstance(value, str) else JointType(value)
@@ -144,6 +144,8 @@ def _to_c(values, row, where):
             names = ", ".join(kind.name.lower() for kind in JointType if kind.name != "JOINT_TYPES")
             raise ValueError(f"{where}, field 'type': unknown joint type {value!r}; there are: "
                              f"{names}") from None
+        except OverflowError:  # a whole number of Python has no limit
+            raise ValueError(f"{where}, field '{member}': is too large for a float") from None
         except (TypeError, ValueError, AttributeError) as error:
             raise type(error)(f"{where}, field '{member}': {error}") from None
 
@@ -167,7 +169,7 @@ def _rows(bodies):
     index = {}
     rows = (structure("rbd_body") * len(bodies))()
     for number, body in enumerate(bodies):
-        where = f"body {number}" + (f" '{body.name}'" if getattr(body, "name", None) else "")
+        where = _numbered("body", number, body)
         if not isinstance(body, Body):
             raise TypeError(f"{where}: must be a Body, not {type(body).__name__}")
         if isinstance(body.parent, str):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _Declared, _number, _numbers
+from ._arguments import _Declared, _instance, _mask, _number, _numbers
 from ._headers import Array, RbdError, Status, structure
 from ._model import Model
 
@@ -78,7 +78,7 @@ class Observer(_Kept):
 
     def __init__(self, model: Model, gain: float, friction: ArrayLike | None = None, share: float = 0.0,
                  least: float = 0.0, slow: float = 0.0):
-        real = model.library.dtype
+        real = _instance("Observer", "model", model, Model).library.dtype
         self.friction = np.zeros((model.nv, 3), real) if friction is None else _numbers(
             "Observer", "friction", friction, (model.nv, 3), real).copy()
         self._used, self._options = self.friction.copy(), (gain, share, least, slow)
@@ -124,11 +124,12 @@ class Estimator(_Kept):
     def __init__(self, model: Model, body: int | str | None = None, mass: float = 0.0, reach: float = 0.0,
                  friction: float = 0.0, forgetting: float = 0.0, slow: float = 0.0, noise: ArrayLike | None = None,
                  left_out: ArrayLike | None = None):
+        _instance("Estimator", "model", model, Model)
         index = -1 if body is None else model._body(body, "Estimator")
         numbers = [_number("Estimator", name, value) for name, value in
                    (("mass", mass), ("reach", reach), ("friction", friction), ("forgetting", forgetting), ("slow", slow))]
         sure = None if noise is None else _numbers("Estimator", "noise", noise, (model.nv,), model.library.dtype)
-        flags = None if left_out is None else (_numbers("Estimator", "left_out", left_out, (model.nv,)) != 0).astype(np.uint8)
+        flags = None if left_out is None else _mask("Estimator", "left_out", left_out, model.nv)
         options = structure("rbd_estimate_options", model.library.scalar)(
             *numbers, None if sure is None else sure.ctypes.data, None if flags is None else flags.ctypes.data)
         super().__init__(model, "estimate", index, options)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._arguments import _Declared, _int, _number, _numbers, _whole
+from ._arguments import _array, _Declared, _int, _list, _mask, _number, _numbers, _whole
 from ._headers import Array, IkKind, IkStatus, Matrix, Numbers, RbdError, Status, structure
 
 
@@ -40,8 +40,6 @@ class IkResult(NamedTuple):
 
 def _target(model, number, given, row):
     """Writes an IkTarget into a C struct."""
-    if not isinstance(given, IkTarget):
-        raise TypeError(f"ik: target {number} must be an IkTarget, not {type(given).__name__}")
     where = f"ik: target {number}"
     try:
         row.kind = IkKind[given.kind.upper()] if isinstance(given.kind, str) else IkKind(given.kind)
@@ -53,31 +51,21 @@ def _target(model, number, given, row):
         shape = (9,) if field == "rotation" else (3,)
         value = getattr(given, field)
         if field == "rotation":
-            value = np.asarray(value).reshape(-1)
+            value = _array(where, field, value).reshape(-1)
         getattr(row, field)[:] = _numbers(where, field, value, shape, model.library.dtype)
     row.weight = _number(where, "weight", given.weight)
-
-
-def _held(model, held):
-    """The flags of degrees of freedom that stay; None = none."""
-    if held is None:
-        return None
-    flags = _numbers("ik", "held", held, (model.nv,))
-    if ((flags != 0) & (flags != 1)).any():
-        raise ValueError("ik: held must be 0 or 1 for each degree of freedom")
-    return flags.astype(np.uint8)
 
 
 def _ik(model, targets, q, held, options):
     """rbd_ik of a Model."""
     library, dtype, scalar = model.library, model.library.dtype, model.library.scalar
-    targets = [targets] if isinstance(targets, IkTarget) else list(targets)
+    targets = [targets] if isinstance(targets, IkTarget) else _list("ik", "targets", targets, IkTarget)
     q = model.neutral() if q is None else _numbers("ik", "q", q, (model.nq,), dtype).copy()
     rows = (structure("rbd_ik_target", scalar) * max(len(targets), 1))()
     for number, given in enumerate(targets):
         _target(model, number, given, rows[number])
 
-    flags = _held(model, held)
+    flags = None if held is None else _mask("ik", "held", held, model.nv)
     c_options = structure("rbd_ik_options", scalar)(
         held=None if flags is None else flags.ctypes.data,
         **{name: _int(_whole("ik", name, value)) if name in ("starts", "evaluations") else _number("ik", name, value)

@@ -170,8 +170,8 @@ class Library(_Declared):
         """
         name, dtype = "contact_solve", self.dtype
         friction = _numbers(name, "friction", friction, (None,), dtype)
-        lower = _numbers(name, "lower", np.asarray(lower, float), (None,), dtype)
-        upper = _numbers(name, "upper", np.asarray(upper, float), lower.shape, dtype)
+        lower = _numbers(name, "lower", lower, (None,), dtype)
+        upper = _numbers(name, "upper", upper, lower.shape, dtype)
         n, bounded = len(friction), len(lower)
         rows = 3 * n + bounded
         arrays = {"delta": _numbers(name, "delta", delta, (rows, rows), dtype), "friction": friction,

@@ -80,7 +80,7 @@ class Model(Derivatives, Kinematics, Names):
         """What a new model and a copy have in common. drawn: the URDF file, the frames of its links and the robot's name,
         for pictures."""
         if not isinstance(library, Library):
-            raise TypeError(f"library must be a Library, as Library('float'), not {library!r}")
+            raise TypeError(f"Model: library must be a Library, as Library('float'), not {library!r}")
         super().__init__(library, threading.RLock())
         self._batch_layout, self._drawn = layout, drawn
         self.kinematic = bool(kinematic)

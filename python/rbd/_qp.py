@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _array, _int, _number, _numbers, _whole, _wrong_shape
+from ._arguments import _array, _instance, _int, _ndim, _number, _numbers, _whole, _wrong_shape
 from ._headers import Array, QpStatus, RbdError, _python_words, structure
-from ._library import _default_library
-
-if TYPE_CHECKING:
-    from ._library import Library
+from ._library import Library, _default_library
 
 _NONE = 1e30    # RBD_QP_NONE
 
@@ -48,14 +45,14 @@ def qp(H: ArrayLike, f: ArrayLike, C: ArrayLike | None = None, lower: ArrayLike 
 
     RbdError with a QpStatus: INFEASIBLE (the rows whose multipliers are not 0 contradict each other), UNBOUNDED,
     ITERATIONS and INACCURATE have the solution so far as its results."""
-    library = library or _default_library()
+    library = _default_library() if library is None else _instance("qp", "library", library, Library)
     real = library.dtype
     f = _numbers("qp", "f", f, (None,), real)
     n = len(f)
     H = _numbers("qp", "H", H, (n, n), real)
     C = np.zeros((0, n), real) if C is None else _numbers("qp", "C", C, (None, n), real)
     lengths = {len(_array("qp", name, sides)) for name, sides in (("lower", lower), ("upper", upper))
-               if sides is not None and np.ndim(sides) == 1}
+               if sides is not None and _ndim("qp", name, sides) == 1}
     count = max(lengths, default=len(C))
     if not len(C) <= count <= n + len(C):
         raise ValueError(f"qp: lower and upper must have {len(C)} to {n + len(C)} entries, bounds of x and a side for "
@@ -65,8 +62,7 @@ def qp(H: ArrayLike, f: ArrayLike, C: ArrayLike | None = None, lower: ArrayLike 
     weights = None if soft is None else _numbers("qp", "soft", soft, (count,), real)
     x, multipliers, side = np.zeros(n, real), np.zeros(count, real), np.zeros(count, np.int8)
     if warm is not None:
-        if not isinstance(warm, QpSolution):
-            raise TypeError(f"qp: warm must be a QpSolution, not {warm!r:.60}")
+        _instance("qp", "warm", warm, QpSolution)
         x[:] = _numbers("qp", "warm.x", warm.x, (n,), real)
         side[:] = _numbers("qp", "warm.side", warm.side, (count,), np.dtype(np.int8))
 

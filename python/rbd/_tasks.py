@@ -9,7 +9,7 @@ from typing import Iterable, NamedTuple, Sequence, TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _Declared, _flag, _int, _number, _numbers, _whole
+from ._arguments import _array, _Declared, _flag, _int, _is_list, _list, _mask, _model, _number, _numbers, _whole
 from ._headers import Array, Matrix, Numbers, RbdError, Status, TaskKind, TasksStatus, structure
 
 if TYPE_CHECKING:
@@ -132,9 +132,10 @@ class Tasks(_Declared):
                  acceleration: ArrayLike | None = None, braking: float = 0.0, without: Iterable[str] = (),
                  limit_weight: float = 0.0, torque_weight: float = 0.0, passive: ArrayLike | None = None,
                  motion_cost: float = 0.0, force_cost: float = 0.0, steps: int = 0):
-        self.model, self.tasks, self.contacts = model, list(tasks), list(contacts)
+        self.model = _model("Tasks", model)
+        self.tasks, self.contacts = _wishes(tasks, contacts)
         self.dt, self.lower, self.upper, self.speed, self.torque = dt, lower, upper, speed, torque
-        self.limit, self.braking, self.without = acceleration, braking, without
+        self.limit, self.braking, self.without = acceleration, braking, _without(without)
         self.limit_weight, self.torque_weight, self.passive = limit_weight, torque_weight, passive
         self.motion_cost, self.force_cost, self.steps = motion_cost, force_cost, steps
         self._memory = ctypes.create_string_buffer(0)
@@ -157,9 +158,10 @@ class Tasks(_Declared):
         """Accelerations, forces of the contacts and torques that do what the tasks ask for at q and v. f_ext: known
         wrenches, nb x 6."""
         model, dtype = self.model, self.model.library.dtype
+        _, contacts = _wishes(self.tasks, self.contacts)
         state = [_numbers("Tasks", "q", q, (model.nq,), dtype), _numbers("Tasks", "v", v, (model.nv,), dtype)]
         f_ext = None if f_ext is None else _numbers("Tasks", "f_ext", f_ext, (model.nb, 6), dtype)
-        out = [np.zeros(shape, dtype) for shape in (model.nv, (len(self.contacts), 3), model.nv)]
+        out = [np.zeros(shape, dtype) for shape in (model.nv, (len(contacts), 3), model.nv)]
         return TasksAcceleration(*out, *self._run("tasks_acceleration", f_ext, state, out))
 
     def _run(self, call, f_ext, state, out):
@@ -190,6 +192,7 @@ class Tasks(_Declared):
     def _problem(self, kept):
         """The C struct of the problem; its arrays stay in `kept`."""
         scalar = self.model.library.scalar
+        _wishes(self.tasks, self.contacts)  # they may have changed since the last tick
         task = (structure("rbd_task", scalar) * max(len(self.tasks), 1))()
         contact = (structure("rbd_task_contact", scalar) * max(len(self.contacts), 1))()
         problem = structure("rbd_tasks", scalar)(tasks=len(self.tasks), contacts=len(self.contacts))
@@ -206,13 +209,9 @@ class Tasks(_Declared):
                 ("acceleration", self.limit):
             setattr(problem, name, self._keep("Tasks", name, value, (self.model.nv,), kept))
         if self.passive is not None:
-            kept.append(_numbers("Tasks", "passive", self.passive, (self.model.nv,)).astype(np.uint8))
+            kept.append(_mask("Tasks", "passive", self.passive, self.model.nv))
             problem.passive = _pointer(kept[-1])
-        if isinstance(self.without, (str, int)):
-            raise TypeError(f"Tasks: without must be a list of names, such as ['torque'], not {self.without!r}")
-        for name in self.without:
-            if name not in _LIMITS:
-                raise ValueError(f"Tasks: without must be of 'position', 'speed' and 'torque', not {name!r}")
+        for name in _without(self.without):
             problem.without |= _LIMITS[name]
         problem.steps = _int(_whole("Tasks", "steps", self.steps))
         return problem
@@ -226,8 +225,6 @@ class Tasks(_Declared):
 
     def _put_task(self, number, given, row, kept):
         """Writes a Task into a C struct."""
-        if not isinstance(given, Task):
-            raise TypeError(f"Tasks: task {number} must be a Task, not {type(given).__name__}")
         where, dtype = f"Tasks: task {number}", self.model.library.dtype
         try:
             row.kind = TaskKind[given.kind.upper()]
@@ -237,15 +234,15 @@ class Tasks(_Declared):
         if row.kind not in (TaskKind.COM, TaskKind.MOMENTUM, TaskKind.POSTURE, TaskKind.ROWS):
             row.body = self.model._body(given.body, f"{where}, field 'body'")
         row.reference = -1
-        if row.kind == TaskKind.RELATIVE and given.reference != -1:
-            row.reference = self.model._body(given.reference, f"{where}, field 'reference'")
+        if row.kind == TaskKind.RELATIVE:
+            row.reference = self.model._body(given.reference, f"{where}, field 'reference'", world=True)
         row.level = _int(_whole(where, "level", given.level))
         for field in "weight", "gain", "damping":
             setattr(row, field, _number(where, field, getattr(given, field)))
         for field in "point", "position", "axis", "direction", "velocity", "acceleration":
             length = 6 if field in ("velocity", "acceleration") else 3
             getattr(row, field)[:] = _numbers(where, field, getattr(given, field), (length,), dtype)
-        row.rotation[:] = _numbers(where, "rotation", np.asarray(given.rotation).reshape(-1), (9,), dtype)
+        row.rotation[:] = _numbers(where, "rotation", _array(where, "rotation", given.rotation).reshape(-1), (9,), dtype)
         row.loose[:] = [int(x) for x in _numbers(where, "loose", given.loose, (6,)) != 0]
         if row.kind == TaskKind.POSTURE:
             for field in "q", "v", "a", "weights":
@@ -253,13 +250,13 @@ class Tasks(_Declared):
                 setattr(row, field, self._keep(where, field, getattr(given, field), (length,), kept))
         if row.kind == TaskKind.ROWS:
             row.jacobian = self._keep(where, "jacobian", given.jacobian, (None, self.model.nv), kept)
+            if given.jacobian is None and given.y is not None:
+                raise TypeError(f"{where}, field 'jacobian': missing")
             row.rows = len(kept[-1]) if row.jacobian else 0
             row.y = self._keep(where, "y", given.y, (row.rows,), kept)
 
     def _put_contact(self, number, given, row):
         """Writes a TaskContact into a C struct."""
-        if not isinstance(given, TaskContact):
-            raise TypeError(f"Tasks: contact {number} must be a TaskContact, not {type(given).__name__}")
         where = f"Tasks: contact {number}"
         row.body = self.model._body(given.body, f"{where}, field 'body'")
         row.open = _flag(where, "open", given.open)
@@ -268,6 +265,22 @@ class Tasks(_Declared):
             getattr(row, field)[:] = _numbers(where, field, getattr(given, field), (3,), self.model.library.dtype)
         for field in "friction", "least", "most", "cost", "gain":
             setattr(row, field, _number(where, field, getattr(given, field)))
+
+
+def _wishes(tasks, contacts):
+    """The lists of tasks and of contacts, checked."""
+    return _list("Tasks", "tasks", tasks, Task), _list("Tasks", "contacts", contacts, TaskContact)
+
+
+def _without(names):
+    """The names of the limits that do not count, checked."""
+    if not _is_list(names):
+        raise TypeError(f"Tasks: without must be a list of names, such as ['torque'], not {names!r:.60}")
+    names = list(names)
+    for name in names:
+        if not isinstance(name, str) or name not in _LIMITS:
+            raise ValueError(f"Tasks: without must be of 'position', 'speed' and 'torque', not {name!r:.60}")
+    return names
 
 
 def _rebuilt(attributes):

@@ -159,7 +159,8 @@ def test_bad_tables_are_named(double):
             (rbd.Motor("M1", "knee", 10, 1, by_voltage=1), rbd.RbdError, "field 'resistance': missing"),
             (rbd.Motor("M1", "knee", 10, 1, friction=1), TypeError, "field 'friction': must be a Friction"),
             (rbd.Motor("M1", "knee", np.nan, 1), ValueError, "gear is nan"),
-            ("M1", TypeError, "must be a Motor")):
+            (rbd.Motor("M1", "knee", 10, 1, current=10**400), ValueError, "actuators: motor 0 'M1': current is too large for a float"),
+            ("M1", TypeError, "motor 0 must be a Motor, not str")):
         with pytest.raises(kind, match=text):
             model.actuators([motor])
     with pytest.raises(ValueError, match="either a matrix or rods"):
@@ -171,10 +172,35 @@ def test_bad_tables_are_named(double):
             arm.step([0, 0], [0, 0], 1e-3, kp=value)
     with pytest.raises(TypeError, match="transmission 0, field 'joint' must be text, not 3"):
         model.actuators([good], [rbd.Transmission(0, (3,), [[1]])])
+    rod = rbd.Rod()
+    for motors, transmissions, text in (
+            (good, [], "motors must be a list of Motor, not Motor"), (5, [], "motors must be a list of Motor, not int"),
+            ([good], rbd.Transmission(), "transmissions must be a list of Transmission, not Transmission"),
+            ([good], 5, "transmissions must be a list of Transmission, not int"),
+            ([good], [rbd.Transmission(joint=5, matrix=[[1]])], "transmission 0: joint must be a list of str, not int"),
+            ([good], [rbd.Transmission(joint="knee", rod=5)], "transmission 0: rod must be a list of Rod, not int"),
+            ([good], [rbd.Transmission(joint="knee", rod=rod)], "transmission 0: rod must be a list of Rod, not Rod"),
+            ([good], [rbd.Transmission(0, "knee", [[1]], name=3)], "transmission 0, field 'name' must be text, not 3")):
+        with pytest.raises(TypeError, match=f"^actuators: {text}"):
+            model.actuators(motors, transmissions)
+    with pytest.raises(TypeError, match="^actuators: model must be a Model, not str"):
+        rbd.Actuators("m", [good])
     with pytest.raises(IndexError, match="rotor 0: no such dof: 2; there are 2"):
         model.rotor_torque([rbd.Rotor(0, 2, (0, 0, 1), 1, 1)], [0, 0], [0, 0], [0, 0])
-    with pytest.raises(ValueError, match="f_ext"):
-        arm.step([0, 0], [0, 0], 1e-3, f_ext=[1])
+    two = [0, 0]
+    for use, kind, text in (
+            (lambda: arm.step(None, two, 1e-3), TypeError, "step: q is missing"),
+            (lambda: arm.step(two, None, 1e-3), TypeError, "step: v is missing"),
+            (lambda: arm.inverse(two, two, two, None), TypeError, "inverse: tau is missing"),
+            (lambda: arm.step(two, two, 0), rbd.RbdError, "step: dt is 0: .*out of range"),
+            (lambda: arm.step(two, two, "x"), TypeError, "step: dt must be a number"),
+            (lambda: arm.step(two, two, 1e-3, kp=2e9), ValueError, r"step: kp\[0\] is above 1e9"),
+            (lambda: arm.step(two, two, 1e-3, contacts=5), TypeError, "step: contacts must be a ContactSet, not int"),
+            (lambda: arm.step(two, two, 1e-3, f_ext=[1]), ValueError, "step: f_ext must have the shape"),
+            (lambda: arm.step(two, two, 1e-3, f_ext=np.zeros((3, 2, 6))), ValueError, "step: f_ext must have the shape"),
+            (lambda: arm.reset(two, air=-300), rbd.RbdError, "reset: air is -300: .*out of range")):
+        with pytest.raises(kind, match=f"^{text}"):
+            use()
     arm.map([0, 0])  # a step that failed is over
     with pytest.raises(ValueError, match="inverse: tau"):
         model.actuators([good]).inverse([0, 0], [0, 0], [0, 0], [0])
