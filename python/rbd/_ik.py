@@ -6,8 +6,6 @@ import ctypes
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from ._arguments import _array, _Declared, _int, _list, _mask, _number, _numbers, _whole
 from ._headers import Array, IkKind, IkStatus, Matrix, Numbers, RbdError, Status, structure
 
