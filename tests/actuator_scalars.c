@@ -248,7 +248,7 @@ static const rbd_body shank[2] = {{.joint = "pitch",
                                    .inertia = {1e-3, 0, 0, 1e-3, 0, 1e-3}}};
 
 /* The ends of crank and rod are a rod's length apart, at every angle; power is the same on both sides. */
-static void check_rods(void) {
+static void check_rods(int elbow) {
     const rbd_transmission t = {.kind = RBD_BY_RODS,
                                 .n = 2,
                                 .joint = {"pitch", "roll"},
@@ -258,14 +258,14 @@ static void check_rods(void) {
                                          .crank = RBD_C(0.06),
                                          .length = RBD_C(0.3),
                                          .point = {RBD_C(-0.05), RBD_C(0.045), RBD_C(0.01)},
-                                         .elbow = 1},
+                                         .elbow = elbow},
                                         {.place = {0, RBD_C(-0.05), RBD_C(-0.15)},
                                          .axis = {0, 1, 0},
                                          .zero = {-1, 0, 0},
                                          .crank = RBD_C(0.065),
                                          .length = RBD_C(0.26),
                                          .point = {RBD_C(-0.055), RBD_C(-0.045), RBD_C(0.015)},
-                                         .elbow = 1}}};
+                                         .elbow = elbow}}};
     const rbd_motor motors[2] = {{.gear = 1, .constant = 1}, {.gear = 1, .constant = 1}};
     double open = 0, power = 0;
     build(shank, 2, motors, 2, &t, 1);
@@ -317,8 +317,8 @@ static void check_guess_anew(void) {
         bodies[i].parent = i - 1;
         bodies[i].type = RBD_PRISMATIC;
         bodies[i].axis[i] = 1;
-        bodies[i].axis[(i + 1) % 3] = (rbd_const)0.5;
-        bodies[i].mass = (rbd_const)(1 + i);
+        bodies[i].axis[(i + 1) % 3] = 0.5;
+        bodies[i].mass = 1 + i;
         motors[i].gear = motors[i].constant = 1;
         motors[i].friction.viscous = (rbd_const)(20 * (i + 1));
     }
@@ -337,6 +337,116 @@ static void check_guess_anew(void) {
     expect(a->repeats <= guessed + 3, "answers after a guess", a->repeats - guessed);
 }
 
+/* ---- inside of coupled shafts ---- */
+
+static const rbd_transmission coupling = {
+    .kind = RBD_BY_MATRIX, .n = 2, .joint = {"pitch", "roll"}, .matrix = {1, 0, 1, 1}};
+
+/* Two coupled shafts of which M = ((4, 1), (1, 3)) was learnt, at rest in a step of 1/4 s. */
+static void build_coupled(void) {
+    static const rbd_motor motors[2] = {{.gear = 1, .constant = 1}, {.gear = 1, .constant = 1}};
+    const rbd_real M[4] = {4, 1, 1, 3}, still[2] = {0, 0};
+    const rbd_command commands[2] = {{0}};
+    rbd_real tau[2], damping[2];
+    build(shank, 2, motors, 2, &coupling, 1);
+    expect(rbd_actuators_begin(a, commands, still, still, RBD_C(0.25), 0, tau, damping) == RBD_OK, "begin",
+           0);
+    memcpy(a->mass, M, sizeof M);
+    a->known = 1;
+}
+
+/* Speeds by pieces: M x / dt + slope x = start. None is beyond 1e9, no torque beyond 1e12. */
+static void check_speeds_in_bounds(void) {
+    build_coupled();
+    a->shaft[0].start = 46; /* of the speeds (2, 3): 4 M (2, 3) + (1 * 2, 0) */
+    a->shaft[0].slope = 1;
+    a->shaft[1].start = 44;
+    expect(rbdi_act_solve_pieces(a), "speeds of pieces", 0);
+    expect(fabs((double)a->shaft[0].next - 2) < bound(1e-14, 1e-5), "speed 0", (double)a->shaft[0].next);
+    expect(fabs((double)a->shaft[1].next - 3) < bound(1e-14, 1e-5), "speed 1", (double)a->shaft[1].next);
+    expect(fabs((double)a->shaft[0].force - 44) < bound(1e-13, 1e-4), "torque", (double)a->shaft[0].force);
+
+    a->shaft[0].start = RBD_C(1e11); /* 5e9 rad/s, 8e10 N m */
+    expect(!rbdi_act_solve_pieces(a), "a speed beyond 1e9", (double)a->shaft[0].next);
+    for (int i = 0; i < 4; i++) a->mass[i] *= RBD_C(1e6);
+    a->shaft[0].start = RBD_C(1e13); /* 6e5 rad/s */
+    expect(!rbdi_act_solve_pieces(a), "a torque beyond 1e12", (double)a->shaft[0].force);
+    expect(fabs((double)a->shaft[0].next) < 1e9, "its speed", (double)a->shaft[0].next);
+    for (int i = 0; i < 4; i++) a->mass[i] = -a->mass[i];
+    expect(!rbdi_act_solve_pieces(a), "a mass below 0", 0);
+}
+
+/* M as it was, times `times` in the direction (1, -2); across it, where M (5, 2) = (22, 11), it stays. */
+static void expect_mass(double times, const char *what) {
+    const double M_p[2] = {2, -5}, M_across[2] = {22, 11};
+    for (int i = 0; i < 2; i++) {
+        const double M_0 = (double)a->mass[2 * i], M_1 = (double)a->mass[2 * i + 1];
+        expect(fabs(M_0 - 2 * M_1 - times * M_p[i]) < bound(1e-13, 1e-4), what, M_0 - 2 * M_1);
+        expect(fabs(5 * M_0 + 2 * M_1 - M_across[i]) < bound(1e-13, 1e-4), what, 5 * M_0 + 2 * M_1);
+    }
+    expect(a->pairs == 0, what, a->pairs);
+}
+
+/* Speeds that did not change, or against the impulse, where (1, -2) was foretold: M is ten times as large in
+   this direction. Where no change was foretold either, nothing is learnt. */
+static void check_stiffening(int against) {
+    build_coupled();
+    a->pairs = 1;
+    rbdi_act_learn(a);
+    expect_mass(1, "nothing foretold");
+
+    a->shaft[0].point = 1;
+    a->shaft[1].point = -2;
+    a->shaft[0].next = (rbd_real)against;
+    a->shaft[0].force = (rbd_real)-against;
+    rbdi_act_learn(a);
+    expect_mass(10, "stiffer");
+}
+
+/* Where two lines of a motor meet at the rotor's speed, but for rounding, either has this speed. */
+static void check_lines_that_meet(void) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 1,
+                             .constant = 1,
+                             .inertia = RBD_C(0.05),
+                             .current = 2,
+                             .stiffness = 300,
+                             .damping = 1};
+    const rbd_command c = {.kd = 3};
+    const rbd_real q[1] = {0};
+    rbd_real tau[1], damping[1];
+    double worst = 0;
+    build(wheel, 1, &motor, 1, NULL, 0);
+    for (int k = 0; k < 20000; k++) {
+        rbdi_act_shaft *s = a->shaft;
+        const rbd_real v[1] = {draw(-3, 3)};
+        rbdi_act_spring found, limited;
+        expect(rbd_actuators_begin(a, &c, q, v, RBD_C(1e-2), 0, tau, damping) == RBD_OK, "begin", k);
+        limited = rbdi_act_spring_by(&motor, s, rbdi_act_line_of(s, 1), v[0], a);
+        s->t = s->most + s->braking * limited.y;
+        found = rbdi_act_spring_at(&motor, s, v[0], a);
+        worst = larger(worst, fabs((double)(found.y - limited.y)) / (1 + fabs((double)limited.y)));
+    }
+    expect(worst < bound(1e-14, 1e-5), "speed where lines meet", worst);
+}
+
+/* A model with what this program has not. */
+static void check_other_features(void) {
+    static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1};
+    rbd_actuators *none = a;
+    rbd_report report;
+    char text[100];
+    build(wheel, 1, &motor, 1, NULL, 0);
+    rbd_model other = *m;
+    other.features |= UINT32_C(1) << 31;
+    expect(rbd_actuators_init(&other, &motor, 1, NULL, 0, memory, sizeof memory, &none, &report) ==
+               RBD_ERR_WORK,
+           "a model with other features", report.error.status);
+    expect(!none && report.error.status == RBD_ERR_WORK && report.error.body == -1, "refused", 0);
+    rbd_actuators_finding_text(&report.error, 1, text, sizeof text);
+    expect(strstr(text, rbd_status_string(RBD_ERR_WORK)) != NULL, text, 0);
+}
+
 int main(void) {
     const double stiffness[3] = {100, 1e4, 1e6}, dt[3] = {5e-4, 1e-3, 1e-2};
     check_exponentials();
@@ -346,8 +456,14 @@ int main(void) {
     check_heat();
     check_holding();
     for (int i = 0; i < 18; i++) check_energy(stiffness[i / 6], i % 2 ? 0.01 : 0, dt[i / 2 % 3]);
-    check_rods();
+    check_rods(1);
+    check_rods(-1);
     check_guess_anew();
+    check_speeds_in_bounds();
+    check_stiffening(0);
+    check_stiffening(1);
+    check_lines_that_meet();
+    check_other_features();
     printf("%s\n", failures ? "FAILED" : "rbd_actuator.h: ok");
     return failures > 0;
 }

@@ -181,6 +181,26 @@ static void check_bounded_pair(void) {
     expect(worst < (IN_FLOAT ? 1e-5 : 1e-7), "bounded friction", worst);
 }
 
+/* A round that begins at the rim, of P or of Z, is the last, and moves nothing. */
+static void check_rim(void) {
+    rbdi_est_interior s;
+    rbd_estimate *e;
+    rbd_real P[RBDI_EST_TEN], Z[RBDI_EST_TEN];
+    for (int k = 0; k < 2; k++) {
+        if (rbd_estimate_init(m[0], HAND, NULL, memory, sizeof memory, &e, NULL)) exit(2);
+        rbdi_est_load_triangle(e, s.all);
+        rbdi_est_begin_interior(e, &s);
+        expect(!rbdi_est_round(e, &s), "a round inside", k);
+
+        memcpy(P, e->P, sizeof P);
+        memcpy(Z, s.Z, sizeof Z);
+        if (k) s.Z[9] = Z[9] = 0;
+        if (!k) e->P[9] = P[9] = 0;
+        expect(rbdi_est_round(e, &s), "a round at the rim", k);
+        expect(memcmp(P, e->P, sizeof P) == 0 && memcmp(Z, s.Z, sizeof Z) == 0, "moves", k);
+    }
+}
+
 int main(void) {
     build();
     check_payload(0, IN_FLOAT ? 2e-4 : 1e-4);
@@ -188,6 +208,7 @@ int main(void) {
     check_rest();
     check_drift();
     check_bounded_pair();
+    check_rim();
     printf("%s\n", failures ? "FAILED" : "rbd_estimate.h: ok");
     return failures != 0;
 }

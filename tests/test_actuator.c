@@ -2177,6 +2177,343 @@ START_TEST(bad_rotors_are_refused) {
 }
 END_TEST
 
+/* ---- arrays that a call is not given ---- */
+
+/* A step that settles late: the wheel turns around against its dry friction. */
+static driven drive_against_friction(void) {
+    static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1, .friction = {.coulomb = 0.5}};
+    driven d = drive_wheel(&motor);
+    d.v[0] = 1e-3;
+    d.other[0] = -20;
+    return d;
+}
+
+/* A call of rbd_actuators_again that lacks an array says that no step is to be repeated, and does nothing:
+   the step stays begun, and ends at the speed of one without such a call. */
+START_TEST(a_repeat_without_its_arrays_does_nothing) {
+    driven d = drive_against_friction(), undisturbed = drive_against_friction();
+    const double dt = 1e-3, slow[1] = {-0.2};
+    double tau[1], damping[1], seen[2];
+
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, dt, 0, tau, damping), RBD_OK);
+    seen[0] = tau[0], seen[1] = damping[0];
+    ck_assert_int_eq(rbd_actuators_again(NULL, slow, tau, damping), 0);
+    ck_assert_int_eq(rbd_actuators_again(d.a, NULL, tau, damping), 0);
+    ck_assert_int_eq(rbd_actuators_again(d.a, slow, NULL, damping), 0);
+    ck_assert_int_eq(rbd_actuators_again(d.a, slow, tau, NULL), 0);
+    ck_assert(tau[0] == seen[0] && damping[0] == seen[1]);
+    ck_assert_int_eq(rbd_actuators_map(d.a, d.q, d.v, NULL, NULL), RBD_ERR_ORDER);
+
+    ck_assert_int_eq(rbd_actuators_again(d.a, slow, tau, damping), 1);
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, dt, 0, tau, damping), RBD_OK);
+    ck_assert(tau[0] == seen[0] && damping[0] == seen[1]);
+    step(&d, dt);
+    step(&undisturbed, dt);
+    ck_assert(d.v[0] == undisturbed.v[0] && d.q[0] == undisturbed.q[0] && d.v[0] < 0);
+    drive_free(&d);
+    drive_free(&undisturbed);
+}
+END_TEST
+
+/* Speeds that never settle end the step after 50 repeats; one that is no number there ends it without an
+   answer. The shafts are those of before, and the next step is one. */
+START_TEST(a_step_ends_after_its_last_repeat) {
+    driven d = drive_against_friction();
+    const double dt = 1e-3, none[1] = {NAN}, ways[2][1] = {{1}, {-1}};
+    double tau[1], damping[1];
+    rbd_actuator_state s;
+
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, dt, 0, tau, damping), RBD_OK);
+    for (int k = 0; k < 50; k++) {
+        ck_assert_int_eq(rbd_actuators_again(d.a, ways[(k + 1) % 2], tau, damping), 1);
+        ck_assert_int_eq(rbd_actuators_derivatives(d.a, NULL, NULL, NULL), RBD_ERR_ORDER);
+    }
+    ck_assert_int_eq(rbd_actuators_again(d.a, none, tau, damping), 0);
+    ck_assert_int_eq(rbd_actuators_get(d.a, 0, &s), RBD_OK);
+    ck_assert_int_eq(s.repeats, 50);
+    ck_assert(s.angle == 0);
+    ck_assert_int_eq(rbd_actuators_map(d.a, d.q, d.v, NULL, NULL), RBD_OK);
+
+    step(&d, dt);
+    ck_assert(d.v[0] < 0 && d.v[0] > -1);
+    drive_free(&d);
+}
+END_TEST
+
+/* Each array of derivatives alone has what all together have. */
+static void expect_each_alone(driven *d, int n) {
+    enum { MOST_ENTRIES = 9 * 9 };
+    double all[3][MOST_ENTRIES], one[3][MOST_ENTRIES];
+    const int nv = d->r.nv, size[3] = {nv * nv, nv * nv, nv * n};
+
+    ck_assert_int_eq(rbd_actuators_begin(d->a, d->command, d->q, d->v, 1e-3, 0, d->tau, d->damping), RBD_OK);
+    ck_assert_int_eq(rbd_actuators_derivatives(d->a, all[0], all[1], all[2]), RBD_OK);
+    ck_assert_int_eq(rbd_actuators_derivatives(d->a, NULL, NULL, NULL), RBD_OK);
+    for (int k = 0; k < 3; k++) {
+        ck_assert_int_eq(rbd_actuators_derivatives(d->a, k == 0 ? one[0] : NULL, k == 1 ? one[1] : NULL,
+                                                   k == 2 ? one[2] : NULL),
+                         RBD_OK);
+        for (int i = 0; i < size[k]; i++) ck_assert(one[k][i] == all[k][i]);
+    }
+}
+
+START_TEST(derivatives_need_not_all_be_asked_for) {
+    const rbd_motor direct[2] = {{.joint = "hip", .gear = 2, .constant = 1, .friction = {.viscous = 1}},
+                                 {.joint = "knee", .gear = 2, .constant = 1, .delay = 1}};
+    const rbd_motor coupled[2] = {{.gear = 2, .constant = 1, .friction = {.viscous = 1}},
+                                  {.gear = 2, .constant = 1, .delay = 1}};
+    for (int k = 0; k < 2; k++) {
+        driven d = drive("leg", leg, 2, k ? coupled : direct, 2, &belt, k, NULL, 0, NULL);
+        d.v[0] = 1, d.v[1] = -1;
+        for (int i = 0; i < 2; i++) d.command[i] = (rbd_command){.kp = 20 + i, .kd = 3};
+        expect_each_alone(&d, 2);
+        drive_free(&d);
+    }
+}
+END_TEST
+
+/* A motor at rest has the slopes of its gains, and its friction that of `viscous`; of a command that comes
+   later the torque has none. */
+START_TEST(derivatives_at_rest_are_the_gains) {
+    const double kp = 20, kd = 3, viscous = 0.5;
+    for (int delay = 0; delay < 2; delay++) {
+        const rbd_motor motor = {.joint = "axle",
+                                 .gear = 2,
+                                 .constant = 1,
+                                 .delay = delay,
+                                 .friction = {.coulomb = 1, .viscous = viscous}};
+        driven d = drive_wheel(&motor);
+        double dq[1], dv[1], dcommand[1];
+        d.command[0] = (rbd_command){.kp = kp, .kd = kd};
+        for (int k = 0; k < 2; k++) {
+            ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping),
+                             RBD_OK);
+            ck_assert_int_eq(rbd_actuators_derivatives(d.a, dq, dv, dcommand), RBD_OK);
+            ck_assert_int_eq(rbd_actuators_again(d.a, d.v, d.tau, d.damping), 0);
+        }
+        ck_assert(dq[0] == -kp && dv[0] == -(kd + viscous) && dcommand[0] == (delay ? 0 : 1));
+        drive_free(&d);
+    }
+}
+END_TEST
+
+/* Within the play of a gear nothing is felt of the joint; beyond it, the spring. */
+START_TEST(derivatives_within_a_play_are_0) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 50,
+                             .constant = 1,
+                             .inertia = 2e-5,
+                             .stiffness = 300,
+                             .damping = 2,
+                             .backlash = 0.02};
+    const double at[3] = {0.005, 0.05, -0.05};
+    driven d = drive_wheel(&motor);
+    for (int k = 0; k < 3; k++) {
+        double dq[1], dv[1], dcommand[1];
+        d.q[0] = at[k];
+        ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
+        ck_assert_int_eq(rbd_actuators_derivatives(d.a, dq, dv, dcommand), RBD_OK);
+        ck_assert(dq[0] == (k ? -300 : 0) && dv[0] == (k ? -2 : 0) && dcommand[0] == 0);
+    }
+    drive_free(&d);
+}
+END_TEST
+
+START_TEST(rotors_without_their_arrays_are_refused) {
+    robot r = BUILD(iiwa_bodies);
+    const double q[7] = {0}, v[7] = {1, 2, 3}, acc[7] = {4, 5, 6};
+    double f_ext[42] = {0}, tau[7], expected[7], seen[7];
+    const rbd_rotor good = {.body = 0, .dof = 1, .axis = {0, 0, 1}, .gear = 2, .inertia = 1};
+    rbd_rotor x = good;
+    for (int i = 0; i < 7; i++) tau[i] = seen[i] = 100 + i;
+#define NEEDS(call) ck_assert_int_eq(call, RBD_ERR_NULL)
+    NEEDS(rbd_rotor_torque(NULL, r.w, &good, 1, q, v, acc, f_ext, tau));
+    NEEDS(rbd_rotor_torque(r.m, r.w, &good, 1, NULL, v, acc, f_ext, tau));
+    NEEDS(rbd_rotor_torque(r.m, r.w, &good, 1, q, NULL, acc, f_ext, tau));
+    NEEDS(rbd_rotor_torque(r.m, r.w, &good, 1, q, v, NULL, f_ext, tau));
+    NEEDS(rbd_rotor_torque(r.m, r.w, &good, 1, q, v, acc, NULL, tau));
+    NEEDS(rbd_rotor_torque(r.m, r.w, &good, 1, q, v, acc, f_ext, NULL));
+#undef NEEDS
+    x.axis[0] = 2e9;
+    ck_assert_int_eq(rbd_rotor_torque(r.m, r.w, &x, 1, q, v, acc, f_ext, tau), RBD_ERR_AXIS);
+    x = good, x.inertia = 2e9;
+    ck_assert_int_eq(rbd_rotor_torque(r.m, r.w, &x, 1, q, v, acc, f_ext, tau), RBD_ERR_RANGE);
+    for (int i = 0; i < 42; i++) ck_assert(f_ext[i] == 0);
+    ck_assert(memcmp(tau, seen, sizeof tau) == 0);
+
+    /* none at all leave the inverse dynamics */
+    ck_assert_int_eq(rbd_rnea(r.m, r.w, q, v, acc, NULL, expected), RBD_OK);
+    ck_assert_int_eq(rbd_rotor_torque(r.m, r.w, NULL, 0, q, v, acc, f_ext, tau), RBD_OK);
+    for (int i = 0; i < 7; i++) ck_assert(fabs(tau[i] - expected[i]) <= 1e-13 * (1 + fabs(expected[i])));
+    robot_free(&r);
+}
+END_TEST
+
+/* ---- singular cases ---- */
+
+/* A rod in line with its crank, 0.625 + 0.125 from the crank's axis, which is as far as it reaches: there the
+   crank has no speed by the joint's. Beside it the joint turns either way. */
+START_TEST(a_rod_at_its_dead_centre_is_named) {
+    const rbd_transmission t = {.name = "rocker",
+                                .kind = RBD_BY_RODS,
+                                .n = 1,
+                                .joint = {"hip"},
+                                .rod = {{.place = {-0.25, 0, 0},
+                                         .axis = {0, 1, 0},
+                                         .zero = {1, 0, 0},
+                                         .crank = 0.125,
+                                         .length = 0.625,
+                                         .point = {0.5, 0, 0},
+                                         .elbow = 1}}};
+    driven d = drive("leg", leg, 2, cranks, 1, &t, 1, NULL, 0, NULL);
+    rbd_drive o;
+    double angle;
+    for (int k = -1; k <= 1; k++) {
+        const rbd_status expected = k ? RBD_OK : RBD_ERR_SINGULAR;
+        d.q[0] = 0.3 * k;
+        ck_assert_int_eq(rbd_actuators_map(d.a, d.q, NULL, &angle, NULL), expected);
+        ck_assert_int_eq(rbd_actuators_fault(d.a), k ? -1 : 0);
+        ck_assert_int_eq(rbd_actuators_inverse(d.a, d.q, d.v, d.v, d.tau, &o), expected);
+        ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), expected);
+        ck_assert_int_eq(rbd_actuators_again(d.a, no_number, d.tau, d.damping), 0);
+    }
+    drive_free(&d);
+}
+END_TEST
+
+/* A rod's end on the crank's axis, at its own length from the crank's end: every angle of the crank fits. */
+START_TEST(a_rod_on_its_cranks_axis_has_no_angle) {
+    const rbd_transmission t = {.kind = RBD_BY_RODS,
+                                .n = 1,
+                                .joint = {"hip"},
+                                .rod = {{.place = {0.25, 0, 0},
+                                         .axis = {0, 1, 0},
+                                         .zero = {1, 0, 0},
+                                         .crank = 0.375,
+                                         .length = 0.625,
+                                         .point = {0.25, 0.5, 0},
+                                         .elbow = 1}}};
+    driven d = drive("leg", leg, 2, cranks, 1, &t, 1, NULL, 0, NULL);
+    double angle;
+    ck_assert_int_eq(rbd_actuators_map(d.a, d.q, NULL, &angle, NULL), RBD_ERR_INFEASIBLE);
+    ck_assert_int_eq(rbd_actuators_fault(d.a), 0);
+    drive_free(&d);
+}
+END_TEST
+
+/* Two rods side by side turn as one, and cannot hold a joint with two degrees of freedom. Where the first
+   does not reach, the second is not asked. */
+START_TEST(two_rods_that_are_one_are_singular) {
+    rbd_transmission t = ankles[0];
+    double angle[2];
+    t.rod[1] = t.rod[0];
+    for (int k = 0; k < 2; k++) {
+        if (k) t.rod[0].length = 0.01;
+        driven d = drive("ankle", shank_and_foot, 3, cranks, 2, &t, 1, NULL, 0, NULL);
+        const rbd_status expected = k ? RBD_ERR_INFEASIBLE : RBD_ERR_SINGULAR;
+        ck_assert_int_eq(rbd_actuators_map(d.a, d.q, NULL, angle, NULL), expected);
+        ck_assert_int_eq(rbd_actuators_fault(d.a), 0);
+        drive_free(&d);
+    }
+}
+END_TEST
+
+/* ---- known answers at the ends of ranges ---- */
+
+/* Parts of the friction at rest one by one, and levels at the ends: M6 as the header has it. */
+START_TEST(each_part_of_rest_counts_alone) {
+    const rbd_gear_friction shares = {.rest_joint = 0.5, .speed = 1, .power = 1};
+    const rbd_gear_friction squares = {.square_joint = 0.25, .speed = 1, .power = 1};
+    const rbd_gear_friction fast = {.coulomb = 3, .rest = 2, .speed = 1e-9, .power = 1};
+    const rbd_gear_friction huge = {.square_joint = 1, .speed = 1, .power = 1};
+    ck_assert(rbd_friction_level(&shares, 0, 8, -6) == 3);
+    ck_assert(rbd_friction_level(&squares, 0, 8, -6) == 9);
+    ck_assert(rbd_friction_level(&squares, 0, 8, 6) == 0);
+    ck_assert(rbd_friction_level(&fast, 0, 0, 0) == 5);
+    ck_assert(rbd_friction_level(&fast, 1e25, 0, 0) == 3);
+    ck_assert(rbd_friction_level(&huge, 0, 1e11, -1e10) == 1e12);
+    ck_assert(rbd_friction_level(NULL, 1, 2, 3) == 0);
+}
+END_TEST
+
+static rbd_drive invert_wheel(const rbd_motor *motor, double air, double v, double acc, double tau) {
+    const double q[1] = {0};
+    driven d = drive_wheel(motor);
+    rbd_drive o;
+    ck_assert_int_eq(rbd_actuators_reset(d.a, d.q, air), RBD_OK);
+    ck_assert_int_eq(rbd_actuators_inverse(d.a, q, &v, &acc, &tau, &o), RBD_OK);
+    drive_free(&d);
+    return o;
+}
+
+/* The inverse carries a load of the joint or of rest alone. Squares: the rotor slows down by 6, so that 2 are
+   left of 8; with friction 0.3 u^2 the motor would need ever more, until it drives the joint, and friction is
+   0.3 8^2. */
+START_TEST(the_inverse_carries_each_load_alone) {
+    const rbd_motor joint = {.joint = "axle", .gear = 1, .constant = 1, .friction = {.load_joint = 0.125}};
+    const rbd_motor rest = {
+        .joint = "axle", .gear = 1, .constant = 1, .friction = {.rest = 0.5, .speed = 1, .power = 1}};
+    const rbd_motor squares = {
+        .joint = "axle",
+        .gear = 1,
+        .constant = 1,
+        .inertia = 1,
+        .friction = {.square_motor = 0.3, .square_joint = 0.3, .speed = 1, .power = 1}};
+    rbd_drive o = invert_wheel(&joint, 25, 2, 0, 8);
+    ck_assert(fabs(o.torque - 9) < 1e-14 && o.by_torque == 1.125);
+    o = invert_wheel(&joint, 25, -2, 0, 8);
+    ck_assert(fabs(o.torque - 7) < 1e-14 && o.by_torque == 0.875);
+    o = invert_wheel(&rest, 25, 1e-40, 0, 8);
+    ck_assert(fabs(o.torque - 8.5) < 1e-14 && o.by_torque == 1);
+    o = invert_wheel(&squares, 25, 1e-40, -6, 8);
+    ck_assert(fabs(o.torque - 21.2) < 1e-13 && fabs(o.by_torque - 5.8) < 1e-14);
+}
+END_TEST
+
+/* At -273 degrees the line of copper's resistance is below 0; a tenth of it stays. */
+START_TEST(a_cold_winding_keeps_a_tenth) {
+    const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1, .resistance = 2, .copper = 0.0039};
+    ck_assert(fabs(invert_wheel(&motor, 25, 0, 0, 3).voltage - 6) < 1e-14);
+    ck_assert(fabs(invert_wheel(&motor, -273, 0, 0, 3).voltage - 0.6) < 1e-14);
+}
+END_TEST
+
+/* An encoder with more steps than an int32_t has says the angle itself. */
+START_TEST(an_encoder_beyond_its_steps_says_the_angle) {
+    const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1, .step = 1e-9, .sampled = 1};
+    driven d = drive_wheel(&motor);
+    d.q[0] = 2.00000000025;
+    d.command[0] = (rbd_command){.q = 3, .kp = 10};
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
+    ck_assert(d.tau[0] - d.damping[0] * d.v[0] == 10 * (3 - d.q[0]));
+    ck_assert_int_eq(rbd_actuators_again(d.a, no_number, d.tau, d.damping), 0);
+
+    d.q[0] = 0.50000000025;
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
+    ck_assert(fabs(d.tau[0] - d.damping[0] * d.v[0] - 25) < 1e-12);
+    drive_free(&d);
+}
+END_TEST
+
+/* Bristles of coupled shafts: at rest each shaft is wound up by its load over its stiffness; the loads are
+   G^-T tau. */
+START_TEST(bristles_of_coupled_shafts_give_way) {
+    const rbd_motor motors[2] = {{.gear = 1, .constant = 1, .friction = {.coulomb = 3, .bristle = 1e4}},
+                                 {.gear = 1, .constant = 1, .friction = {.coulomb = 2, .bristle = 2e4}}};
+    rbd_body light[2];
+    memcpy(light, leg, sizeof light);
+    for (int i = 0; i < 2; i++) light[i].axis[1] = 0, light[i].axis[2] = 1;
+    driven d = drive("leg that lies", light, 2, motors, 2, &belt, 1, NULL, 0, NULL);
+    d.other[0] = 1.5, d.other[1] = 0.5;
+    for (int k = 0; k < 2000; k++) step(&d, 1e-2);
+
+    /* angles (q_0, q_0 + q_1), torques (tau_0 - tau_1, tau_1) */
+    ck_assert_msg(fabs(d.q[0] - 1 / 1e4) < 1e-9, "%.12g", d.q[0]);
+    ck_assert_msg(fabs(d.q[0] + d.q[1] - 0.5 / 2e4) < 1e-9, "%.12g", d.q[0] + d.q[1]);
+    drive_free(&d);
+}
+END_TEST
+
 /* ---- random tables ---- */
 
 static void draw_motor(uint64_t *seed, rbd_motor *m) {
@@ -2389,6 +2726,7 @@ START_TEST(mistakes_in_a_table_are_named) {
     LONELY("resistance", x.by_voltage = 1);
     MISTAKE(RBD_ERR_RANGE, "load_motor", x.friction.load_motor = 1);
     MISTAKE(RBD_ERR_RANGE, "power", x.friction.power = 0.05);
+    LONELY("heat_winding", x.flow_case = 2);
     robot_free(&r);
 
     /* the rotor's inertia in model and table */
@@ -2411,7 +2749,11 @@ START_TEST(mistakes_in_a_table_are_named) {
     r = robot_build("leg that folds", bodies, 2);
     MISTAKE(RBD_ERR_INDEX, "joint", (void)0);
     robot_free(&r);
-    bodies[1].mimic = NULL, bodies[1].type = RBD_SPHERICAL;
+    bodies[1].mimic = NULL, bodies[1].type = RBD_CONTINUOUS_CS;
+    r = robot_build("leg by sine and cosine", bodies, 2);
+    MISTAKE(RBD_ERR_INDEX, "joint", (void)0);
+    robot_free(&r);
+    bodies[1].type = RBD_SPHERICAL;
     r = robot_build("leg on a ball", bodies, 2);
     MISTAKE(RBD_ERR_INDEX, "joint", (void)0);
     robot_free(&r);
@@ -2440,6 +2782,7 @@ START_TEST(mistakes_in_a_transmission_are_named) {
 #define WRONG(status, field, change) \
     (t = belt, change, expect_transmission_refused(&r, two, 2, &t, status, field))
     WRONG(RBD_ERR_TYPE, "kind", t.kind = (rbd_transmission_kind)2);
+    WRONG(RBD_ERR_TYPE, "kind", t.kind = (rbd_transmission_kind)-1);
     WRONG(RBD_ERR_COUNT, "n", t.n = 0);
     WRONG(RBD_ERR_COUNT, "n", t.n = 4);
     WRONG(RBD_ERR_INDEX, "motor", t.motor = 1);
@@ -2470,10 +2813,90 @@ START_TEST(mistakes_in_a_transmission_are_named) {
     WRONG(RBD_ERR_AXIS, "axis", t.rod[0].axis[1] = 2);
     WRONG(RBD_ERR_AXIS, "axis", t.rod[0].axis[1] = NAN);
     WRONG(RBD_ERR_AXIS, "zero", t.rod[0].zero[0] = 0);
+    WRONG(RBD_ERR_AXIS, "zero", t.rod[0].zero[0] = NAN);
     WRONG(RBD_ERR_AXIS, "zero", memcpy(t.rod[0].zero, t.rod[0].axis, sizeof t.rod[0].axis));
     WRONG(RBD_ERR_RANGE, "elbow", t.rod[1].elbow = 0);
     WRONG(RBD_ERR_INDEX, "joint", (t.joint[0] = "roll", t.joint[1] = "pitch"));
     robot_free(&r);
+}
+END_TEST
+
+/* What two rows of a table ask for at once: the transmission or motor that is too many is named. */
+static void expect_clash(const robot *r, const rbd_motor *motors, int n, const rbd_transmission *t, int at,
+                         const char *named, const char *text) {
+    rbd_actuators *a;
+    rbd_report report;
+    void *memory;
+    char found[200];
+    ck_assert_int_eq(init(r, motors, n, t, 2, &a, &memory, &report), RBD_ERR_INDEX);
+    free(memory);
+    ck_assert_ptr_null(a);
+    ck_assert_int_eq(report.error.body, at);
+    if (named) ck_assert_str_eq(report.error.field, named);
+    if (!named) ck_assert_ptr_null(report.error.field);
+    ck_assert_ptr_eq(rbd_actuators_finding_text(&report.error, n, found, sizeof found), found);
+    ck_assert_msg(strstr(found, text) != NULL, "%s", found);
+}
+
+START_TEST(transmissions_that_share_are_refused) {
+    const rbd_motor motors[3] = {{.name = "left", .gear = 1, .constant = 1},
+                                 {.name = "middle", .gear = 1, .constant = 1},
+                                 {.name = "right", .gear = 1, .constant = 1}};
+    const rbd_transmission one = {.kind = RBD_BY_MATRIX, .n = 1, .joint = {"knee"}, .matrix = {1}};
+    rbd_transmission t[2] = {belt, one};
+    robot r = BUILD(leg);
+    t[1].motor = 1;
+    expect_clash(&r, motors, 2, t, 1, NULL, "motor 1 'middle', in two transmissions");
+    t[1].motor = 2;
+    t[1].name = "chain";
+    expect_clash(&r, motors, 3, t, 4, "joint",
+                 "transmission 1 'chain', field 'joint': another motor moves this joint");
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(rods_of_a_joint_that_slides_are_refused) {
+    rbd_body bodies[2];
+    rbd_transmission t = ankles[1];
+    memcpy(bodies, leg, sizeof leg);
+    bodies[1].type = RBD_PRISMATIC;
+    t.joint[0] = "knee";
+    robot r = robot_build("leg that slides", bodies, 2);
+    expect_transmission_refused(&r, cranks, 1, &t, RBD_ERR_INDEX, "joint");
+    robot_free(&r);
+}
+END_TEST
+
+/* Numbers at the far ends of what a call takes; nothing has changed after a refusal. */
+START_TEST(numbers_out_of_range_change_nothing) {
+    const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1};
+    const rbd_motor volts = {
+        .joint = "axle", .gear = 1, .constant = 1, .resistance = 1, .voltage = 24, .by_voltage = 1};
+    rbd_actuator_state before, after;
+    char text[8] = "kept";
+    for (int k = 0; k < 2; k++) {
+        driven d = drive_wheel(k ? &volts : &motor);
+        step(&d, 1e-3);
+        memset(&before, 0, sizeof before);
+        memset(&after, 0, sizeof after);
+        ck_assert_int_eq(rbd_actuators_get(d.a, 0, &before), RBD_OK);
+
+        ck_assert_int_eq(rbd_actuators_reset(d.a, d.q, 1001), RBD_ERR_RANGE);
+        ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1001, 0, d.tau, d.damping),
+                         RBD_ERR_RANGE);
+        for (int sign = -1; sign <= 1; sign += 2) {
+            d.command[0] = k ? (rbd_command){.torque = sign} : (rbd_command){.voltage = sign};
+            ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping),
+                             RBD_ERR_RANGE);
+        }
+        ck_assert_int_eq(rbd_actuators_map(d.a, d.q, d.v, NULL, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_actuators_get(d.a, 0, &after), RBD_OK);
+        ck_assert(memcmp(&before, &after, sizeof after) == 0);
+        drive_free(&d);
+    }
+    ck_assert(rbd_actuators_size(2, 0, -1) == 0);
+    ck_assert_ptr_eq(rbd_actuators_finding_text(NULL, 2, text, sizeof text), text);
+    ck_assert_str_eq(text, "kept");
 }
 END_TEST
 
@@ -2619,10 +3042,27 @@ Suite *actuator_suite(void) {
     tcase_add_loop_test(c, derivatives_are_those_of_differences, 0, 5);
     tcase_add_loop_test(c, rotors_are_those_bodies, 0, 3);
     tcase_add_test(c, bad_rotors_are_refused);
+    tcase_add_test(c, a_repeat_without_its_arrays_does_nothing);
+    tcase_add_test(c, a_step_ends_after_its_last_repeat);
+    tcase_add_test(c, derivatives_need_not_all_be_asked_for);
+    tcase_add_test(c, derivatives_at_rest_are_the_gains);
+    tcase_add_test(c, derivatives_within_a_play_are_0);
+    tcase_add_test(c, rotors_without_their_arrays_are_refused);
+    tcase_add_test(c, a_rod_at_its_dead_centre_is_named);
+    tcase_add_test(c, a_rod_on_its_cranks_axis_has_no_angle);
+    tcase_add_test(c, two_rods_that_are_one_are_singular);
+    tcase_add_test(c, each_part_of_rest_counts_alone);
+    tcase_add_test(c, the_inverse_carries_each_load_alone);
+    tcase_add_test(c, a_cold_winding_keeps_a_tenth);
+    tcase_add_test(c, an_encoder_beyond_its_steps_says_the_angle);
+    tcase_add_test(c, bristles_of_coupled_shafts_give_way);
     tcase_add_test(slow, random_tables_give_finite_answers_within_limits);
     tcase_add_loop_test(c, each_field_is_checked_by_name, 0, LENGTH(field));
     tcase_add_test(c, mistakes_in_a_table_are_named);
     tcase_add_test(c, mistakes_in_a_transmission_are_named);
+    tcase_add_test(c, transmissions_that_share_are_refused);
+    tcase_add_test(c, rods_of_a_joint_that_slides_are_refused);
+    tcase_add_test(c, numbers_out_of_range_change_nothing);
     tcase_add_test(c, arguments_are_checked);
     suite_add_tcase(suite, c);
     return suite;
