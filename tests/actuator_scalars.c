@@ -403,6 +403,61 @@ static void check_stiffening(int against) {
     expect_mass(10, "stiffer");
 }
 
+/* Springs so stiff that in float their rounding hides whether the pieces hold: the search ends all the same,
+   and the joints are told what the laws have there, within rounding. */
+static void check_search_cut_short(void) {
+    static const rbd_motor motors[2] = {{.gear = 1,
+                                         .constant = 1,
+                                         .inertia = RBD_C(0.00620412128),
+                                         .current = RBD_C(5.52774191),
+                                         .voltage = RBD_C(1.54119587),
+                                         .resistance = 1,
+                                         .stiffness = RBD_C(23693.0938),
+                                         .damping = RBD_C(2.19551468),
+                                         .backlash = RBD_C(0.01),
+                                         .friction = {.coulomb = RBD_C(0.0194064528)}},
+                                        {.gear = 1,
+                                         .constant = 1,
+                                         .inertia = RBD_C(0.0398348309),
+                                         .current = RBD_C(2.62774086),
+                                         .voltage = RBD_C(0.59370774),
+                                         .resistance = 1,
+                                         .stiffness = RBD_C(96452.6562),
+                                         .damping = RBD_C(5.90066147),
+                                         .backlash = RBD_C(0.01),
+                                         .friction = {.coulomb = RBD_C(0.0205295198)}}};
+    const rbd_command commands[2] = {
+        {.q = RBD_C(-0.377616435),
+         .kp = RBD_C(8.71860409),
+         .kd = RBD_C(0.602784753),
+         .torque = RBD_C(-0.0429688841)},
+        {.q = RBD_C(-0.0208768006), .kp = RBD_C(74.4206085), .torque = RBD_C(0.78009367)}};
+    const rbd_real q[2] = {RBD_C(0.760957301), RBD_C(0.416975915)};
+    const rbd_real v[2] = {RBD_C(0.30125773), RBD_C(-0.587870896)};
+    const rbd_real angle[2] = {RBD_C(-0.602526367), RBD_C(-0.206861943)};
+    const rbd_real speed[2] = {RBD_C(1.21424794), RBD_C(0.489307135)};
+    const rbd_real torque[2] = {RBD_C(18.29286), RBD_C(9.34378338)};
+    const rbd_real M[4] = {RBD_C(0.00386555609), RBD_C(-0.0052638445), RBD_C(-0.0052638445),
+                           RBD_C(0.0342369042)};
+    rbd_real tau[2], damping[2];
+    build(shank, 2, motors, 2, &coupling, 1);
+    for (int i = 0; i < 2; i++) {
+        a->shaft[i].angle = angle[i];
+        a->shaft[i].speed = speed[i];
+    }
+    expect(rbd_actuators_begin(a, commands, q, v, RBD_C(0.0651988909), 0, tau, damping) == RBD_OK, "begin",
+           0);
+
+    memcpy(a->mass, M, sizeof M);
+    for (int i = 0; i < 2; i++) a->shaft[i].base = a->shaft[i].seen_T = torque[i];
+    expect(rbdi_act_foretell(a), "foretold", 0);
+    for (int i = 0; i < 2; i++) {
+        const rbdi_act_shaft *s = &a->shaft[i];
+        const double off = fabs((double)(s->base - rbdi_act_law_at(&motors[i], s, s->point, a)));
+        expect(off < bound(1e-9, 1e-4), "off its law", off);
+    }
+}
+
 /* Where two lines of a motor meet at the rotor's speed, but for rounding, either has this speed. */
 static void check_lines_that_meet(void) {
     const rbd_motor motor = {.joint = "axle",
@@ -462,6 +517,7 @@ int main(void) {
     check_speeds_in_bounds();
     check_stiffening(0);
     check_stiffening(1);
+    check_search_cut_short();
     check_lines_that_meet();
     check_other_features();
     printf("%s\n", failures ? "FAILED" : "rbd_actuator.h: ok");
