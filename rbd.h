@@ -3700,7 +3700,9 @@ RBDI_PART void rbdi_forward_block(const rbd_model *m, const rbd_work *w, const r
     const rbdi_pose *X = &w->block[l->block].X;
     const rbdi_motion J = rbdi_block_motion(b, &v[l->iv]), Jd = rbdi_block_motion(b, &a[l->iv]);
     rbdi_motion c;
-    rbdi_v3 omega_E = rbdi_vec0(), omega_dot = omega_E, acc = s->acc;
+    rbdi_v3 omega_E = rbdi_vec0();
+    rbdi_v3 omega_dot = omega_E;
+    rbdi_v3 acc = s->acc;
 
     if (!rbdi_on_world(l)) { /* the world does not turn */
         omega_E = rbdi_mul(X->E, s->omega);

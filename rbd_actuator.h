@@ -104,9 +104,9 @@ RBDI_EXTERN_C_BEGIN
 typedef struct rbd_gear_friction {
     rbd_const coulomb;                    /* N m: without load, at any speed */
     rbd_const viscous;                    /* N m s: times the speed, beside the level */
-    rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor to 0.999 */
+    rbd_const load_motor, load_joint;     /* shares of both torques: 0 to 0.999, 0 to 10 */
     rbd_const rest;                       /* N m more at rest: Stribeck's effect */
-    rbd_const rest_motor, rest_joint;     /* shares of both torques at rest, 0 to 10 */
+    rbd_const rest_motor, rest_joint;     /* the same at rest; load_motor + rest_motor to 0.999 */
     rbd_const square_motor, square_joint; /* 1/(N m): at rest, of the squares of both torques */
     rbd_const speed, power; /* rad/s, and 0.1 to 10: how the part of rest fades; needed if there is one */
     rbd_const bristle;      /* N m/rad: stiffness before it slips; 0: rigid */
@@ -706,7 +706,8 @@ RBDI_INLINE rbd_real rbdi_act_tooth(const rbd_motor *m) { return 2 * (rbd_real)m
 
 /* Adds to s->lent the work of cogging on the way from the shaft's angle, less what its potential loses. */
 RBDI_PART void rbdi_act_lend(const rbd_motor *m, rbdi_act_shaft *s, rbd_real way) {
-    const rbd_real rate = (rbd_real)m->teeth * m->gear, begin = rate * s->angle + m->phase;
+    const rbd_real rate = (rbd_real)m->teeth * m->gear;
+    const rbd_real begin = rate * s->angle + m->phase;
     const rbd_real torque = s->cogging - s->cogging_slope * s->speed;
     rbd_real sine, before, after;
     if (!(m->cogging > 0)) return;
@@ -1599,8 +1600,10 @@ RBDI_LOCAL void rbdi_act_note_rounding(rbd_actuators *a) {
     a->speed_rounding = a->torque_rounding = rbdi_zero();
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof >= 0) s->scale = rbdi_abs(s->next);
-        if (s->dof >= 0) s->size = rbdi_zero();
+        if (s->dof >= 0) {
+            s->scale = rbdi_abs(s->next);
+            s->size = rbdi_zero();
+        }
         a->speed_rounding = a->speed_rounding + RBDI_ACTUATOR_ROUNDING * s->scale;
     }
     for (int i = 0; i < a->n; ++i) {
@@ -1767,7 +1770,8 @@ RBDI_LOCAL void rbdi_act_take_pair(const rbd_actuators *a, rbd_real *d, rbd_real
 RBDI_LOCAL void rbdi_act_conjugate(const rbd_actuators *a, rbd_real *d, rbd_real *y) {
     const int n = a->n;
     for (int k = 0; k < a->pairs; ++k) {
-        const rbd_real *d_k = a->pair + 2 * n * k, *y_k = d_k + n;
+        const rbd_real *d_k = a->pair + 2 * n * k;
+        const rbd_real *y_k = d_k + n;
         const rbd_real share = rbdi_act_dot(y_k, d, n) / rbdi_act_dot(y_k, d_k, n);
         for (int i = 0; i < n; ++i) {
             d[i] = d[i] - share * d_k[i];
@@ -1791,7 +1795,8 @@ RBDI_LOCAL void rbdi_act_stiffen(rbd_actuators *a) {
    which is so where the joints' motion is not linear. */
 RBDI_LOCAL void rbdi_act_learn(rbd_actuators *a) {
     const int n = a->n;
-    rbd_real *d = a->pair + 2 * n * a->pairs, *y = d + n;
+    rbd_real *d = a->pair + 2 * n * a->pairs;
+    rbd_real *y = d + n;
     rbd_real work, square;
     rbdi_act_take_pair(a, d, y);
     work = rbdi_act_dot(d, y, n);
@@ -2181,12 +2186,14 @@ RBDI_LOCAL rbd_status rbdi_act_check_fields(const rbdi_act_where *where, const r
 RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_gear_friction *f) {
     const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
     const int rest = rbdi_act_has_rest(f);
+    /* At rest friction must grow more slowly than the motor's torque, or no torque begins to move. */
+    const rbd_const of_motor = RBD_C(0.999);
     const rbdi_act_field field[] = {{"coulomb", f->coulomb, 0, most, 1},
                                     {"viscous", f->viscous, 0, most, 1},
-                                    {"load_motor", f->load_motor, 0, RBD_C(0.999), 1},
+                                    {"load_motor", f->load_motor, 0, of_motor, 1},
                                     {"load_joint", f->load_joint, 0, 10, 1},
                                     {"rest", f->rest, 0, most, 1},
-                                    {"rest_motor", f->rest_motor, 0, 10, 1},
+                                    {"rest_motor", f->rest_motor, 0, of_motor - f->load_motor, 1},
                                     {"rest_joint", f->rest_joint, 0, 10, 1},
                                     {"square_motor", f->square_motor, 0, RBD_C(1e6), 1},
                                     {"square_joint", f->square_joint, 0, RBD_C(1e6), 1},

@@ -939,7 +939,7 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 
-/* What a caller of rbdi_qp_solve knows of its problem, which spares a search. */
+/* Where the caller made H and C symmetric or zero. rbdi_qp_solve does not look there. */
 typedef struct rbdi_qp_shape {
     int symmetric;   /* whether H is symmetric because of how it was made */
     int coupled;     /* H is diagonal from this variable on: only its diagonal is read there */
@@ -1531,7 +1531,8 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 #define RBDI_T rbd_real
 /* t := L^-1 t, where t is 0 before `from`, a multiple of four, and from `to` on. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to) {
-    int i = from, at;
+    int i = from;
+    int at;
 
     for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -1548,7 +1549,8 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to
 
 /* t := L'^-1 t, where t is 0 from `to` on. */
 RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, RBDI_T *t, int to) {
-    int i = to - 1, at = rbdi_qp_pivot(i);
+    int i = to - 1;
+    int at = rbdi_qp_pivot(i);
 
     for (; i >= s->coupled; --i) {
         t[i] = s->L[at] * t[i];
@@ -1613,7 +1615,8 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
 #define rbdi_qp_reflect_back rbdi_qp_group_reflect_back
 /* t := L^-1 t, where t is 0 before `from`, a multiple of four, and from `to` on. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to) {
-    int i = from, at;
+    int i = from;
+    int at;
 
     for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -1630,7 +1633,8 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to
 
 /* t := L'^-1 t, where t is 0 from `to` on. */
 RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, RBDI_T *t, int to) {
-    int i = to - 1, at = rbdi_qp_pivot(i);
+    int i = to - 1;
+    int at = rbdi_qp_pivot(i);
 
     for (; i >= s->coupled; --i) {
         t[i] = s->L[at] * t[i];

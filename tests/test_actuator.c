@@ -2727,6 +2727,7 @@ START_TEST(mistakes_in_a_table_are_named) {
     LONELY("still", x.friction.still = 0.1);
     LONELY("resistance", x.by_voltage = 1);
     MISTAKE(RBD_ERR_RANGE, "load_motor", x.friction.load_motor = 1);
+    MISTAKE(RBD_ERR_RANGE, "rest_motor", (x.friction.load_motor = 0.75, x.friction.rest_motor = 0.25));
     MISTAKE(RBD_ERR_RANGE, "power", x.friction.power = 0.05);
     LONELY("heat_winding", x.flow_case = 2);
     robot_free(&r);

@@ -30,7 +30,7 @@ class Friction(_Declared):
     load_motor: float = 0.0     #: share of the motor's torque: 1 - efficiency; below 1
     load_joint: float = 0.0     #: share of the joint's torque; 1: the gear locks itself
     rest: float = 0.0           #: N m more at rest
-    rest_motor: float = 0.0     #: share of the motor's torque at rest
+    rest_motor: float = 0.0     #: the same at rest; with load_motor below 1
     rest_joint: float = 0.0     #: share of the joint's torque at rest
     square_motor: float = 0.0   #: 1/(N m): at rest, of the square of the motor's torque
     square_joint: float = 0.0   #: 1/(N m): at rest, of the square of the joint's torque

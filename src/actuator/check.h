@@ -50,12 +50,14 @@ RBDI_LOCAL rbd_status rbdi_act_check_fields(const rbdi_act_where *where, const r
 RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_gear_friction *f) {
     const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
     const int rest = rbdi_act_has_rest(f);
+    /* At rest friction must grow more slowly than the motor's torque, or no torque begins to move. */
+    const rbd_const of_motor = RBD_C(0.999);
     const rbdi_act_field field[] = {{"coulomb", f->coulomb, 0, most, 1},
                                     {"viscous", f->viscous, 0, most, 1},
-                                    {"load_motor", f->load_motor, 0, RBD_C(0.999), 1},
+                                    {"load_motor", f->load_motor, 0, of_motor, 1},
                                     {"load_joint", f->load_joint, 0, 10, 1},
                                     {"rest", f->rest, 0, most, 1},
-                                    {"rest_motor", f->rest_motor, 0, 10, 1},
+                                    {"rest_motor", f->rest_motor, 0, of_motor - f->load_motor, 1},
                                     {"rest_joint", f->rest_joint, 0, 10, 1},
                                     {"square_motor", f->square_motor, 0, RBD_C(1e6), 1},
                                     {"square_joint", f->square_joint, 0, RBD_C(1e6), 1},

@@ -61,8 +61,10 @@ RBDI_LOCAL void rbdi_act_note_rounding(rbd_actuators *a) {
     a->speed_rounding = a->torque_rounding = rbdi_zero();
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof >= 0) s->scale = rbdi_abs(s->next);
-        if (s->dof >= 0) s->size = rbdi_zero();
+        if (s->dof >= 0) {
+            s->scale = rbdi_abs(s->next);
+            s->size = rbdi_zero();
+        }
         a->speed_rounding = a->speed_rounding + RBDI_ACTUATOR_ROUNDING * s->scale;
     }
     for (int i = 0; i < a->n; ++i) {

@@ -59,7 +59,8 @@ RBDI_LOCAL void rbdi_act_take_pair(const rbd_actuators *a, rbd_real *d, rbd_real
 RBDI_LOCAL void rbdi_act_conjugate(const rbd_actuators *a, rbd_real *d, rbd_real *y) {
     const int n = a->n;
     for (int k = 0; k < a->pairs; ++k) {
-        const rbd_real *d_k = a->pair + 2 * n * k, *y_k = d_k + n;
+        const rbd_real *d_k = a->pair + 2 * n * k;
+        const rbd_real *y_k = d_k + n;
         const rbd_real share = rbdi_act_dot(y_k, d, n) / rbdi_act_dot(y_k, d_k, n);
         for (int i = 0; i < n; ++i) {
             d[i] = d[i] - share * d_k[i];
@@ -83,7 +84,8 @@ RBDI_LOCAL void rbdi_act_stiffen(rbd_actuators *a) {
    which is so where the joints' motion is not linear. */
 RBDI_LOCAL void rbdi_act_learn(rbd_actuators *a) {
     const int n = a->n;
-    rbd_real *d = a->pair + 2 * n * a->pairs, *y = d + n;
+    rbd_real *d = a->pair + 2 * n * a->pairs;
+    rbd_real *y = d + n;
     rbd_real work, square;
     rbdi_act_take_pair(a, d, y);
     work = rbdi_act_dot(d, y, n);

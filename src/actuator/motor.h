@@ -68,7 +68,8 @@ RBDI_INLINE rbd_real rbdi_act_tooth(const rbd_motor *m) { return 2 * (rbd_real)m
 
 /* Adds to s->lent the work of cogging on the way from the shaft's angle, less what its potential loses. */
 RBDI_PART void rbdi_act_lend(const rbd_motor *m, rbdi_act_shaft *s, rbd_real way) {
-    const rbd_real rate = (rbd_real)m->teeth * m->gear, begin = rate * s->angle + m->phase;
+    const rbd_real rate = (rbd_real)m->teeth * m->gear;
+    const rbd_real begin = rate * s->angle + m->phase;
     const rbd_real torque = s->cogging - s->cogging_slope * s->speed;
     rbd_real sine, before, after;
     if (!(m->cogging > 0)) return;

@@ -33,9 +33,9 @@
 typedef struct rbd_gear_friction {
     rbd_const coulomb;                    /* N m: without load, at any speed */
     rbd_const viscous;                    /* N m s: times the speed, beside the level */
-    rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor to 0.999 */
+    rbd_const load_motor, load_joint;     /* shares of both torques: 0 to 0.999, 0 to 10 */
     rbd_const rest;                       /* N m more at rest: Stribeck's effect */
-    rbd_const rest_motor, rest_joint;     /* shares of both torques at rest, 0 to 10 */
+    rbd_const rest_motor, rest_joint;     /* the same at rest; load_motor + rest_motor to 0.999 */
     rbd_const square_motor, square_joint; /* 1/(N m): at rest, of the squares of both torques */
     rbd_const speed, power; /* rad/s, and 0.1 to 10: how the part of rest fades; needed if there is one */
     rbd_const bristle;      /* N m/rad: stiffness before it slips; 0: rigid */

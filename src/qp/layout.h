@@ -60,7 +60,7 @@
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 
-/* What a caller of rbdi_qp_solve knows of its problem, which spares a search. */
+/* Where the caller made H and C symmetric or zero. rbdi_qp_solve does not look there. */
 typedef struct rbdi_qp_shape {
     int symmetric;   /* whether H is symmetric because of how it was made */
     int coupled;     /* H is diagonal from this variable on: only its diagonal is read there */

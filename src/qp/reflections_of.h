@@ -1,6 +1,7 @@
 /* t := L^-1 t, where t is 0 before `from`, a multiple of four, and from `to` on. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to) {
-    int i = from, at;
+    int i = from;
+    int at;
 
     for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -17,7 +18,8 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to
 
 /* t := L'^-1 t, where t is 0 from `to` on. */
 RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, RBDI_T *t, int to) {
-    int i = to - 1, at = rbdi_qp_pivot(i);
+    int i = to - 1;
+    int at = rbdi_qp_pivot(i);
 
     for (; i >= s->coupled; --i) {
         t[i] = s->L[at] * t[i];
