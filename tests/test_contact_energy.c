@@ -426,8 +426,8 @@ START_TEST(free_step_says_what_overflows) {
 }
 END_TEST
 
-/* A torque that makes a gimbal faster than 1e12 rad/s, though its speed to the fourth power does not overflow:
-   an error, not a step without it. */
+/* A torque that makes a gimbal faster than 1e12 rad/s, though its speed to the fourth power does not
+   overflow: an error, not a step without it. */
 START_TEST(free_step_says_that_a_torque_is_too_large) {
     const rbd_body gimbal = {.parent = -1, .type = RBD_EULER_ZYX, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}};
     static const double large[3] = {1e16, 1e30, 1e60};
