@@ -147,7 +147,7 @@ def _array(call, name, value, dtype=np.dtype(float)):
     except (ValueError, TypeError) as error:
         raise TypeError(f"{call}: {name} is not an array of numbers: {error}") from None
     kinds, what = ("biuf", "real") if dtype.kind == "f" else ("biu", "whole")
-    if array.dtype.kind not in kinds:
+    if array.dtype.kind not in kinds or array.dtype.kind == "b" and not array.ndim:
         found = {"O": "Python objects", "U": "text", "S": "bytes", "V": "records"}.get(array.dtype.kind, "")
         found += f" ({array.dtype})" if found else str(array.dtype)
         if array.dtype.kind == "O" and array.size:
@@ -279,6 +279,14 @@ def _instance(call, name, value, kind):
     return value
 
 
+def _left_out(where, given, name, default):
+    """Refuses a field that this kind of row does not read: it would be lost."""
+    value = getattr(given, name)
+    same = value is None if default is None else type(value) is int and value == default
+    if not same:
+        raise ValueError(f"{where}, field '{name}': '{given.kind}' has none, but it is {value!r:.60}")
+
+
 def _model(call, value):
     """A Model; refuses others."""
     from ._model import Model  # which imports this module
@@ -305,11 +313,11 @@ def _list(call, name, value, kind):
     return entries
 
 
-def _mask(call, name, value, n):
-    """Flags of n degrees of freedom, 0 or 1."""
+def _mask(call, name, value, n, of="degree of freedom"):
+    """Flags of n things, 0 or 1."""
     flags = _numbers(call, name, value, (n,))
     if ((flags != 0) & (flags != 1)).any():
-        raise ValueError(f"{call}: {name} must be 0 or 1 for each degree of freedom")
+        raise ValueError(f"{call}: {name} must be 0 or 1 for each {of}")
     return flags.astype(np.uint8)
 
 
@@ -321,9 +329,11 @@ def _int(index):
 def _whole(call, name, value):
     """A whole number."""
     try:
-        return operator.index(value)
+        if not isinstance(value, (bool, np.bool_)):
+            return operator.index(value)
     except TypeError:
-        raise TypeError(f"{call}: {name} must be a whole number, not {value!r}") from None
+        pass
+    raise TypeError(f"{call}: {name} must be a whole number, not {value!r:.60}")
 
 
 def _flag(call, name, value):
@@ -342,8 +352,8 @@ def _axes(call, value):
 
 def _number(call, name, value):
     """A finite number."""
-    if isinstance(value, (str, bytes)):  # which float() would read
-        raise TypeError(f"{call}: {name} must be a number, not {value!r}")
+    if isinstance(value, (str, bytes, bool, np.bool_)) or getattr(value, "ndim", 0):  # which float() would read
+        raise TypeError(f"{call}: {name} must be a number, not {value!r:.60}")
     try:
         number = float(value)
     except (TypeError, ValueError):
