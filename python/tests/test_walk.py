@@ -89,29 +89,31 @@ def configuration():
 
 
 PLAIN = {  # right values by the argument's name
-    "q": configuration(), "q0": configuration(), "q1": configuration(), "rates": 0 * configuration(), "body": 2, "reference": 0,
-    "axes": "world", "row": 0, "contact": 0, "constraint": 0, "motor": 0, "seed": 1, "joint": "knee", "status": 0, "i": 1, "j": 0,
-    "dof": 7, "dt": 1e-3, "height": 0.1, "bound": 1.0, "normal": (0, 0, 1), "mass": 1.0, "com": (0, 0.1, 0), "body1": 1,
-    "body2": 2,    "inertia": (1, 0, 0, 1, 0, 1), "gravity": (0, 0, -9), "joints": ["knee"], "point1": (0, 0, 0.1), "point2": (0, 0, 0.1),
-    "axis1": (0, 1, 0), "axis2": (0, 1, 0), "place": (0.1, 0.2, 0.3), "layout": "rows", "gain": 9.0,
-    "pi": (1, 0, 0, 0, 1, 0, 0, 1, 0, 1),    "qpos": np.zeros(9), "qvel": np.zeros(8), "damping": np.ones(8), "given": np.zeros(8, int), "weight": np.ones(8), "n": 2,
-    "M": np.eye(8), "motors": [rbd.Motor("M", "knee", 50.0, 1.0)], "rows": [], "targets": rbd.IkTarget("point", 2), "rotors": [],
+    "q": configuration(), "q0": configuration(), "q1": configuration(), "rates": 0 * configuration(), "body": 2,
+    "reference": 0, "axes": "world", "row": 0, "contact": 0, "constraint": 0, "motor": 0, "seed": 1, "joint": "knee",
+    "status": 0, "i": 1, "j": 0, "dof": 7, "dt": 1e-3, "height": 0.1, "bound": 1.0, "normal": (0, 0, 1), "mass": 1.0,
+    "com": (0, 0.1, 0), "body1": 1, "body2": 2, "inertia": (1, 0, 0, 1, 0, 1), "gravity": (0, 0, -9), "joints": ["knee"],
+    "point1": (0, 0, 0.1), "point2": (0, 0, 0.1), "axis1": (0, 1, 0), "axis2": (0, 1, 0), "place": (0.1, 0.2, 0.3),
+    "layout": "rows", "gain": 9.0, "pi": (1, 0, 0, 0, 1, 0, 0, 1, 0, 1), "qpos": np.zeros(9), "qvel": np.zeros(8),
+    "damping": np.ones(8), "given": np.zeros(8, int), "weight": np.ones(8), "n": 2, "M": np.eye(8),
+    "motors": [rbd.Motor("M", "knee", 50.0, 1.0)], "rows": [], "targets": rbd.IkTarget("point", 2), "rotors": [],
     "bodies": [rbd.Body("thigh", "hip", **LEG)], "speed": 0.1, "torque": 0.2, "added": np.eye(8)[np.tril_indices(8)],
     "actuated": np.ones(8, int), "lock": {"knee": 0.1}, "keep": ["base"], "held": np.zeros(8), "times": None, "file": None}
 RIGHT = {  # and where another call has another
-    "body_index.name": "shank", "joint_index.name": "knee", "c_model.name": "leg", "c_table.name": "leg", "friction.joint": 0.3,
-    "ConstraintSet.constrained_id.weight": np.ones(3), "row_set.dofs": [7], "row_set.jacobian": [1.0], "qp.H": np.eye(2),
-    "qp.f": np.zeros(2), "qp.C": np.ones((1, 2)), "qp.lower": -np.ones(3), "qp.upper": np.ones(3), "qp.soft": np.zeros(3),
-    "contact_solve.delta": np.eye(4), "contact_solve.b": np.zeros(4), "contact_solve.friction": [1.0],
-    "contact_solve.lower": [0.0],    "contact_solve.upper": [1.0], "contact_solve.start": np.zeros(4), "set_parameters.body": rbd.Body("b"),
-    "Observer.friction": np.zeros((8, 3)), "Estimator.noise": np.ones(8), "Estimator.left_out": np.zeros(8),
-    "Estimator.friction": 100.0, "Observer.step.tau": STATE, "cholesky_factor_packed.H": np.eye(8)[np.tril_indices(8)],
-    "cholesky_solve_many.L": np.eye(8)[np.tril_indices(8)], 
-    "Tasks.tasks": [rbd.Task("posture", q=configuration(), gain=1.0)], "cholesky_solve_many.B": np.ones((8, 2)), "Tasks.lower": -np.ones(8),
-    "Tasks.upper": np.ones(8), "Tasks.speed": np.ones(8), "Tasks.torque": 1e3 * np.ones(8), "Tasks.acceleration": np.ones(8),
-    "Tasks.passive": np.zeros(8), "Tasks.contacts": (), "contacts.held": (), "ContactSet.held": (),
-    "Actuators.step.contacts": None,    "Actuators.step.torque": [0.1], "Actuators.step.speed": [0.1], "Actuators.step.position": [0.1], "Actuators.step.kp": [0.1],
-    "Actuators.step.kd": [0.1], "Actuators.step.voltage": [0.0], "parse_urdf.gravity": (0, 0, -9)}
+    "body_index.name": "shank", "joint_index.name": "knee", "c_model.name": "leg", "c_table.name": "leg",
+    "friction.joint": 0.3, "ConstraintSet.constrained_id.weight": np.ones(3), "row_set.dofs": [7], "row_set.jacobian": [1.0],
+    "qp.H": np.eye(2), "qp.f": np.zeros(2), "qp.C": np.ones((1, 2)), "qp.lower": -np.ones(3), "qp.upper": np.ones(3),
+    "qp.soft": np.zeros(3), "contact_solve.delta": np.eye(4), "contact_solve.b": np.zeros(4), "contact_solve.friction": [1.0],
+    "contact_solve.lower": [0.0], "contact_solve.upper": [1.0], "contact_solve.start": np.zeros(4),
+    "set_parameters.body": rbd.Body("b"), "Observer.friction": np.zeros((8, 3)), "Estimator.noise": np.ones(8),
+    "Estimator.left_out": np.zeros(8), "Estimator.friction": 100.0, "Observer.step.tau": STATE,
+    "cholesky_factor_packed.H": np.eye(8)[np.tril_indices(8)], "cholesky_solve_many.L": np.eye(8)[np.tril_indices(8)],
+    "Tasks.tasks": [rbd.Task("posture", q=configuration(), gain=1.0)], "cholesky_solve_many.B": np.ones((8, 2)),
+    "Tasks.lower": -np.ones(8), "Tasks.upper": np.ones(8), "Tasks.speed": np.ones(8), "Tasks.torque": 1e3 * np.ones(8),
+    "Tasks.acceleration": np.ones(8), "Tasks.passive": np.zeros(8), "Tasks.contacts": (), "contacts.held": (),
+    "ContactSet.held": (), "Actuators.step.contacts": None, "Actuators.step.torque": [0.1], "Actuators.step.speed": [0.1],
+    "Actuators.step.position": [0.1], "Actuators.step.kp": [0.1], "Actuators.step.kd": [0.1], "Actuators.step.voltage": [0.0],
+    "parse_urdf.gravity": (0, 0, -9)}
 SPATIAL = {"number": 0.5, "rotation": np.eye(3), "placement": (np.eye(3), np.zeros(3)), "inertia": np.ones(10), "quaternion":
            np.array([0, 0, 0, 1.0]), "array6": np.array([1, 0, 0, 1, 0, 1.0])}
 
@@ -299,8 +301,9 @@ def fields_of(library):
     """Each dataclass that a user fills: what reads it, and right values of its fields."""
     model, q = robot(library), configuration()
     motor = {"joint": "knee", "gear": 50.0, "constant": 1.0, "resistance": 1.0, "voltage": 24.0, "current": 5.0,
-             "heat_winding": 10.0, "heat_case": 10.0, "flow_winding": 1.0, "flow_case": 1.0, "hot": 80.0, "hottest": 100.0, "cogging": 1e-3, "teeth": 7.0,
-             "stiffness": 100.0, "damping": 0.1, "name": "M", "inertia": 1e-4, "friction": rbd.Friction(coulomb=0.1)}
+             "heat_winding": 10.0, "heat_case": 10.0, "flow_winding": 1.0, "flow_case": 1.0, "hot": 80.0, "hottest": 100.0,
+             "cogging": 1e-3, "teeth": 7.0, "stiffness": 100.0, "damping": 0.1, "name": "M", "inertia": 1e-4,
+             "friction": rbd.Friction(coulomb=0.1)}
     plain = [rbd.Motor(gear=1.0, constant=1.0)] * 2
     body = {"name": "foot", "joint": "ankle", "parent": "shank", **LEG, "armature": (0.1, 0, 0, 0, 0, 0), "damping": 0.1}
     return [
