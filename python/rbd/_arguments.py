@@ -287,6 +287,20 @@ def _left_out(where, given, name, default):
         raise ValueError(f"{where}, field '{name}': '{given.kind}' has none, but it is {value!r:.60}")
 
 
+# What a target or task of a kind reads of its place, turn and axis.
+_READS = {"point": "position", "pose": "position rotation", "relative": "position rotation", "rotation": "rotation",
+          "axis": "axis direction", "com": "position"}
+
+
+def _placed(where, kind, field, numbers):
+    """The numbers of a field, which must be 0 if this kind of target or task does not read it."""
+    if field in ("position", "rotation", "axis", "direction") and numbers.any():
+        if field not in _READS.get(kind.name.lower(), "").split():
+            reads = ", ".join(name for name, read in _READS.items() if field in read.split())
+            raise ValueError(f"{where}, field '{field}': '{kind.name.lower()}' does not read it; these do: {reads}")
+    return numbers
+
+
 def _model(call, value):
     """A Model; refuses others."""
     from ._model import Model  # which imports this module

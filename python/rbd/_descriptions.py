@@ -92,7 +92,7 @@ class ContactOptions(_Declared):
     """rbd_contact_options of rbd_contact.h; 0 is the default in brackets."""
     margin: float = 0.0         #: closer contacts are rows, m [0.005]
     slop: float = 0.0           #: penetration that is left, m [1e-5]
-    correction: float = 0.0     #: share of the rest that a step takes back [0.2]
+    correction: float = 0.0     #: share of the rest that a step takes back, up to 1 [0.2]
     bounce: float = 0.0         #: slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt
     tolerance: float = 0.0      #: of the residual, m/s [1e-6, float 1e-5]
     iterations: int = 0         #: at most [40]

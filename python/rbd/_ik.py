@@ -6,7 +6,7 @@ import ctypes
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ._arguments import _array, _Declared, _int, _left_out, _list, _mask, _number, _numbers, _whole
+from ._arguments import _array, _Declared, _int, _left_out, _list, _mask, _number, _numbers, _placed, _whole
 from ._headers import Array, IkKind, IkStatus, Matrix, Numbers, RbdError, Status, _enumerator, structure
 
 
@@ -49,7 +49,7 @@ def _target(model, number, given, row):
         value = getattr(given, field)
         if field == "rotation":
             value = _array(where, field, value).reshape(-1)
-        getattr(row, field)[:] = _numbers(where, field, value, shape, model.library.dtype)
+        getattr(row, field)[:] = _placed(where, IkKind(row.kind), field, _numbers(where, field, value, shape, model.library.dtype))
     row.weight = _number(where, "weight", given.weight)
 
 

@@ -9,7 +9,8 @@ from typing import Iterable, NamedTuple, Sequence, TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _array, _Declared, _flag, _int, _is_list, _left_out, _list, _mask, _model, _number, _numbers, _whole
+from ._arguments import (_array, _Declared, _flag, _int, _is_list, _left_out, _list, _mask, _model,
+                         _number, _numbers, _placed, _whole)
 from ._headers import Array, Matrix, Numbers, RbdError, Status, TaskKind, TasksStatus, _enumerator, structure
 
 if TYPE_CHECKING:
@@ -226,7 +227,7 @@ class Tasks(_Declared):
     def _put_task(self, number, given, row, kept):
         """Writes a Task into a C struct."""
         where, dtype = f"Tasks: task {number}", self.model.library.dtype
-        row.kind = _enumerator(where, TaskKind, given.kind)
+        kind = row.kind = _enumerator(where, TaskKind, given.kind)
         if row.kind in (TaskKind.COM, TaskKind.MOMENTUM, TaskKind.POSTURE, TaskKind.ROWS):
             _left_out(where, given, "body", 0)
         else:
@@ -241,8 +242,10 @@ class Tasks(_Declared):
             setattr(row, field, _number(where, field, getattr(given, field)))
         for field in "point", "position", "axis", "direction", "velocity", "acceleration":
             length = 6 if field in ("velocity", "acceleration") else 3
-            getattr(row, field)[:] = _numbers(where, field, getattr(given, field), (length,), dtype)
-        row.rotation[:] = _numbers(where, "rotation", _array(where, "rotation", given.rotation).reshape(-1), (9,), dtype)
+            numbers = _numbers(where, field, getattr(given, field), (length,), dtype)
+            getattr(row, field)[:] = _placed(where, kind, field, numbers)
+        turn = _numbers(where, "rotation", _array(where, "rotation", given.rotation).reshape(-1), (9,), dtype)
+        row.rotation[:] = _placed(where, kind, "rotation", turn)
         row.loose[:] = _mask(where, "loose", given.loose, 6, "row").tolist()
         for field in "q", "v", "a", "weights":
             if row.kind != TaskKind.POSTURE:

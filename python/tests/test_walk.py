@@ -323,8 +323,8 @@ def fields_of(library):
         (rbd.Transmission, lambda row: model.actuators(plain[:1], [row]), {"joint": ["knee"], "matrix": [[2.0]]}),
         (rbd.Rotor, lambda row: model.rotor_torque([row], q, STATE, STATE),
          {"body": 1, "dof": 7, "axis": (0, 1, 0), "gear": 2.0, "inertia": 0.1}),
-        *((rbd.IkTarget, lambda row: model.ik(row), {"kind": kind, "body": "shank", "axis": (0, 0, 1), "direction": (0, 0, 1)})
-          for kind in ("point", "pose", "axis")),
+        *((rbd.IkTarget, lambda row: model.ik(row), {"kind": kind, "body": "shank", **more}) for kind, more in (
+            ("point", {}), ("pose", {}), ("axis", {"axis": (0, 0, 1), "direction": (0, 0, 1)}))),
         (rbd.IkTarget, lambda row: model.ik(row), {"kind": "com"}),
         *((rbd.Task, lambda row: rbd.Tasks(model, [row]).velocity(q), {"kind": kind, **more}) for kind, more in (
             ("pose", {"body": "shank", "gain": 1.0}), ("axis", {"body": "shank", "axis": (0, 0, 1), "direction": (0, 0, 1)}),
@@ -369,3 +369,22 @@ def test_slips_of_fields(double):
                 if not is_named(text, name) and not (about == "place" and "link" in text):
                     bad.append(f"{kind.__name__}.{name} = {slip!r:.50}: {text[:100] or 'nothing is said'}")
     assert not bad, f"{len(bad)} slips\n" + "\n".join(bad)
+
+
+def test_fields_of_another_kind_are_refused(double):
+    """What a kind of task or target does not read was filled in for another kind."""
+    model, turn = robot(double), np.eye(3)[[1, 2, 0]]
+    filled = {"position": (0, 0, 1), "rotation": turn, "axis": (0, 0, 1), "direction": (0, 0, 1)}
+    reads = {"point": {"position"}, "pose": {"position", "rotation"}, "rotation": {"rotation"}, "axis": {"axis", "direction"},
+             "com": {"position"}, "relative": {"position", "rotation"}, "momentum": set(), "posture": set(), "rows": set()}
+    for kind, fields in reads.items():
+        needed = {"axis": {"axis": (0, 0, 1), "direction": (0, 0, 1)}, "posture": {"q": configuration()},
+                  "rows": {"jacobian": np.eye(8)[:1], "y": [0.0]}}.get(kind, {})
+        for field, value in filled.items():
+            given = {"kind": kind, **needed, field: value}
+            uses = [lambda: rbd.Tasks(model, [rbd.Task(**given)]).velocity(configuration())]
+            if kind.upper() in rbd.IkKind.__members__:
+                uses.append(lambda: model.ik(rbd.IkTarget(**given), starts=1))
+            for use in uses:
+                text = message(use)
+                assert not text if field in fields else f"field '{field}': '{kind}' does not read it" in text, (given, text)
