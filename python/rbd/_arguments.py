@@ -81,7 +81,7 @@ impulse       rows     the same of an impact: N m s, N s
 dlambda_dq    rows nv  row: constraint force; column: tangent step of q
 dlambda_dv    rows nv  row: constraint force; column: velocity
 dlambda_dtau  rows nv  row: constraint force; column: torque
-actuated      nv       1 where there is a motor, else 0; None = all but floating joints at the root
+actuated      nv       1 where there is a motor, else 0; None = all but floating joints
 weight        rows     from 0; None = 1
 distance      -        rad, if lengths have weights of 1 / length^2 or 0
 s             -        part of the way: 0 is q0, 1 is q1
