@@ -2087,6 +2087,17 @@ START_TEST(singular_mass_matrix_is_an_error) {
     for (int x = 0; x < 3; x++)
         for (int i = 0; i < 6; i++) /* not a number fails */
             ck_assert((i >= 4 || fabs(found.a[x][i]) <= 0) && fabs(found.lambda[x][i]) <= 0);
+
+    /* those by v alone */
+    void *memory;
+    rbd_derivatives *d = derivatives_of(&r, &memory);
+    const rbd_constrained_fd_results by_v = {.da_dv = found.a[1], .dlambda_dv = found.lambda[1]};
+    memset(found.a[1], 1, sizeof found.a[1]);
+    memset(found.lambda[1], 1, sizeof found.lambda[1]);
+    ck_assert_int_eq(rbd_constrained_fd_derivatives(r.m, c.c, d, q, q, q, NULL, &by_v), RBD_ERR_SINGULAR);
+    for (int i = 0; i < 6; i++)
+        ck_assert((i >= 4 || fabs(found.a[1][i]) <= 0) && fabs(found.lambda[1][i]) <= 0);
+    free(memory);
     free(c.memory);
     robot_free(&r);
 }
