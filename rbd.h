@@ -3078,18 +3078,18 @@ RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
 }
 
-/* Whether this program has all features of the model; others: features that count as had. rbd_aba needs
-   Cholesky's factor for mimic joints. */
-RBDI_INLINE int rbdi_supported_but(const rbd_model *m, uint32_t others) {
+/* Features of the model that this program lacks. RBDI_MASSLESS is always one of them: no program computes
+   dynamics without masses. Without Cholesky's factor mimic joints are one, because rbd_aba needs it for
+   them. */
+RBDI_INLINE uint32_t rbdi_missing(const rbd_model *m) {
 #ifdef RBD_NO_CHOLESKY
-    if (m->nmimic) return 0;
+    if (m->nmimic) return RBDI_MIMICS;
 #endif
-    return (m->features & ~((RBDI_FEATURES & ~RBDI_MASSLESS) | others)) == 0;
+    return m->features & ~(RBDI_FEATURES & ~RBDI_MASSLESS);
 }
 
-/* Whether this program can compute the model's kinematics; its dynamics. */
-RBDI_INLINE int rbdi_supported(const rbd_model *m) { return rbdi_supported_but(m, RBDI_MASSLESS); }
-RBDI_INLINE int rbdi_supports_dynamics(const rbd_model *m) { return rbdi_supported_but(m, 0); }
+/* Whether this program can compute the model's kinematics. */
+RBDI_INLINE int rbdi_supported(const rbd_model *m) { return (rbdi_missing(m) & ~RBDI_MASSLESS) == 0; }
 
 /* The first dof that moves no mass, -1 if there is none. It is part of the shape, so that no work of another
    model is taken: rbd_singular_dof reads it there. */
@@ -3210,24 +3210,23 @@ RBDI_INLINE int rbdi_has_shape(const rbd_model *m, const uint64_t shape[RBDI_SHA
     return m->shape[0] == shape[0] && m->shape[1] == shape[1] && m->shape[2] == shape[2];
 }
 
-RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) { return rbdi_has_shape(m, w->shape); }
-
 /* The first check of every call with a model and a work. arrays: none of the caller's required ones is
    NULL. The program must support the model, and the work must fit it. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
+    return rbdi_supported(m) && rbdi_has_shape(m, w->shape) ? RBD_OK : RBD_ERR_WORK;
 }
 
 /* Why a model's dynamics cannot be computed. */
 RBDI_COLD rbd_status rbdi_no_dynamics(const rbd_model *m, const rbd_work *w) {
-    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_ERR_MASSLESS : RBD_ERR_WORK;
+    const rbd_status status = rbdi_check(m, w, 1);
+    return status ? status : RBD_ERR_MASSLESS;
 }
 
 /* rbdi_check of a call that needs masses. */
 RBDI_INLINE rbd_status rbdi_check_dynamics(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    if (rbdi_supports_dynamics(m) && rbdi_fits(m, w)) return RBD_OK;
+    if (!rbdi_missing(m) && rbdi_has_shape(m, w->shape)) return RBD_OK;
     return rbdi_no_dynamics(m, w);
 }
 
