@@ -5609,7 +5609,6 @@ RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rb
    largest mass. X' takes a wrench to the parent's frame: first each column of K, then each row. */
 RBDI_COLD void rbdi_carry_up(const rbd_model *m, const rbd_work *w, int i, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
-    const int flags = rbdi_flags(l);
 
     for (int first = 0; first < 6; first += 3) {
         rbd_real most = rbdi_zero();
@@ -5620,12 +5619,13 @@ RBDI_COLD void rbdi_carry_up(const rbd_model *m, const rbd_work *w, int i, rbd_r
     for (int j = 0; j < 12; ++j) {
         rbd_real *wrench = j < 6 ? &K[0][j] : K[j - 6];
         const int stride = j < 6 ? 6 : 1;
-        const rbdi_force F = rbdi_load_force(wrench, stride);
+        rbdi_force F = rbdi_load_force(wrench, stride);
 
         if (rbdi_is(l, RBDI_BLOCK))
-            rbdi_store_force(wrench, stride, rbdi_force_up_block(&w->block[l->block].X, F));
+            F = rbdi_force_up_block(&w->block[l->block].X, F);
         else
-            rbdi_store_force(wrench, stride, rbdi_force_up(l, flags, rbdi_trig_of(m, w, i, flags), F));
+            F = rbdi_force_up(l, rbdi_flags(l), rbdi_trig_of(m, w, i, rbdi_flags(l)), F);
+        rbdi_store_force(wrench, stride, F);
     }
 }
 
