@@ -46,6 +46,8 @@ expect 2 "--algorithm: 'pose:left-foot' and 'pose:left_foot' have one name in C,
     --algorithm pose:left-foot,id,pose:left_foot a
 expect 2 "--algorithm: its value is missing$see" --algorithm
 expect 2 "--scalar: 'half' is neither double nor float$see" --scalar half a
+expect 2 "--scalar: it stands twice$see" --scalar float --scalar=double a
+expect 2 "--algorithm: it stands twice$see" --algorithm id --algorithm fd a
 expect 2 "--lanes: '3' is none of 2, 4, 8, 16$see" --lanes 3 a
 expect 2 "--limbs: '3' is none of 1, 2, 4$see" --limbs 3 a
 expect 2 "--limbs: the lanes are those of --lanes already$see" --limbs 2 --lanes 2 a
