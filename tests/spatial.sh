@@ -1,7 +1,8 @@
 #!/bin/sh
 # rbd_spatial.h: compiles without a warning, alone and in every file of a program, with frames checked and not; has no
 # symbol; does not take a motion for a force; and frames that nobody checks leave no trace in the code.
-# usage: spatial.sh DIRECTORY_OF_RBD_H   with RBD_ALL_TESTS=yes by four compilers, else by gcc and clang++-19
+# usage: spatial.sh DIRECTORY_OF_RBD_H   with RBD_ALL_TESTS=yes by four compilers, and the implementation behind it with code;
+#     else by gcc and clang++-19
 set -u
 
 root=${1:?usage: spatial.sh DIRECTORY_OF_RBD_H}
@@ -56,9 +57,9 @@ compile() {
 }
 
 right='-DFRAME=1 -DOTHER=2 -DKIND(v,f)=f'
-compilers="gcc clang++-19"
+compilers="gcc clang++-19" behind=-fsyntax-only
 if [ -n "${RBD_ALL_TESTS-}" ]; then
-    compilers="gcc g++ clang-19 clang++-19"
+    compilers="gcc g++ clang-19 clang++-19" behind=-O0
 else
     echo "SKIPPED but by ./run test --all: g++ and clang-19"
 fi
@@ -74,7 +75,7 @@ for compiler in $compilers; do
     compile unchecked "$@" -O2 -DRBD_REAL=float || fail "$*, float"
     compile unchecked "$@" -DRBD_LANES=4 -Wno-psabi || fail "$*, lanes"
     # shellcheck disable=SC2086 # words wanted
-    compile main "$@" -O0 -Dalways_inline=unused $right || fail "$*, the implementation behind it"
+    compile main "$@" $behind -Dalways_inline=unused $right || fail "$*, the implementation behind it"
     # shellcheck disable=SC2086 # words wanted
     compile use "$@" -O2 $right || fail "$*, use"
     # The absolute symbol (A) is that of RBD_CHECK_SCALAR and takes no room.
