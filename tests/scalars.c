@@ -956,7 +956,8 @@ START_TEST(one_bad_lane_is_reported) {
 }
 END_TEST
 
-/* A step of which one lane is singular and another too fast: the first is the error, both keep their speed. */
+/* A step of which one lane is singular and another too fast: the first is the error, both keep their
+   speed. */
 START_TEST(bad_lanes_of_a_step_stay) {
     const rbd_body gimbal = massive_body(RBD_EULER_ZYX);
     rbd_real q_next[3], v_next[3];

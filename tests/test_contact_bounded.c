@@ -216,8 +216,8 @@ START_TEST(a_lever_slides_and_sticks_exactly) {
 }
 END_TEST
 
-/* A row with a bias is a motor of so much speed, up to its force; one whose bounds are equal is a force, with a
-   bias or without. */
+/* A row with a bias is a motor of so much speed, up to its force; one whose bounds are equal is a force,
+   with a bias or without. */
 START_TEST(a_bias_drives_and_equal_bounds_push) {
     const rbd_body body = slider(-1, 1, 0, 2);
     rbd_contact_row row = friction_row(0, 10);
@@ -520,9 +520,9 @@ END_TEST
 
 /* ---- what goes with a step ---- */
 
-/* Momentum of HyQ in space stays to rounding with rows on its legs and one that is not set, and is not touched
-   where one is on the base, which brakes it, or where inertia is added there, which has a momentum of its
-   own. */
+/* Momentum of HyQ in space stays to rounding with rows on its legs and one that is not set, and is not
+   touched where one is on the base, which brakes it, or where inertia is added there, which has a momentum
+   of its own. */
 START_TEST(momentum_stays_with_rows_inside) {
     enum { INSIDE, BASE, ADDED, CASES };
     for (int which = 0; which < CASES; which++) {

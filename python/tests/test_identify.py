@@ -94,7 +94,7 @@ def test_a_simulated_log_gives_its_truth(robots, tmp_path, capsys):
 def test_currents_and_a_part_as_judge(robots, tmp_path):
     _, truth = robots
     names = truth.dof_names
-    log = write_log(tmp_path / "log.csv", truth, 1, header=[
+    log = write_log(tmp_path / "log.csv", truth, 1, n=2000, header=[
         "time", *(f"q:{x}" for x in names), f"current:{names[0]}", *(f"tau:{x}" for x in names[1:])])
     with pytest.raises(tool.IdentifyError, match=f"'{names[0]}' has currents: give --constant"):
         tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path)]))
@@ -111,14 +111,14 @@ def test_a_log_without_excitation_names_what_it_lacks(robots, tmp_path):
             return np.where(mask, q, 0.3), v * mask, a * mask
         return move
 
-    log = write_log(tmp_path / "log.csv", truth, 1, move=only(3))
+    log = write_log(tmp_path / "log.csv", truth, 1, n=2000, move=only(3))
     with pytest.raises(tool.IdentifyError, match="log.csv: joint '.*' moves faster than 0.02 rad/s in 0 samples only"):
         tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path)]), str)
 
     def together(q, v, a):  # one joint after the other has the same motion: only some sums are told
         return q[:, :1] * np.ones(7) * 0.01, v[:, :1] * np.ones(7) * 0.01, a[:, :1] * np.ones(7) * 0.01
 
-    log = write_log(tmp_path / "log.csv", truth, 1, move=together)
+    log = write_log(tmp_path / "log.csv", truth, 1, n=2000, move=together)
     said = []
     found = tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path), "--slow", "0.0001"]), said.append)
     assert found.unknown and any("not enough excitation" in line and found.unknown[0] in line for line in said)

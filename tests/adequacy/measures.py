@@ -51,25 +51,32 @@ def is_integer(name, text):
 def findings(path):
     """The findings of a file: (line, sentence)."""
     text = blank(path.read_text(encoding="utf-8"))
+    ends = [0, *(match.end() for match in re.finditer(";", text)), len(text)]
 
     def at(match):
         return text.count("\n", 0, match.start()) + 1
 
-    for match in MAXIMUM.finditer(text):
+    def matches(pattern, word):
+        """Those in statements with the word, in a tenth of the time: no match goes beyond a semicolon."""
+        for begin, end in zip(ends, ends[1:]):
+            if text.find(word, begin, end) >= 0:
+                yield from pattern.finditer(text, begin, end)
+
+    for match in matches(MAXIMUM, "max"):
         name = match[1].lstrip("*")
         given = [re.sub(r"^\((?:double|float)\)\*?", "", a).lstrip("*") for a in arguments(text[match.end():])]
         if (name in given or given[0] in ("0", "0.0")) and not BOUND.search(name) and not is_integer(name, text):
             yield at(match), f"{match[2]} passes over NaN: {name} = larger({name}, ...) of larger.h does not"
-    for match in LARGER_BOUND.finditer(text):
+    for match in matches(LARGER_BOUND, "larger("):
         if BOUND.search(match[1]):
             yield at(match), f"larger makes {match[1]} infinite of NaN, and everything keeps it: fmax does not"
-    for match in NOT_LESS.finditer(text):
+    for match in matches(NOT_LESS, "if (!("):
         if match[2] == match[3]:
             yield at(match), f"the next number takes the place of NaN: {match[2]} = larger({match[2]}, ...) of larger.h"
-    for match in GREATER.finditer(text):
+    for match in matches(GREATER, "if ("):
         if match[2] == match[3] and match[1] == match[4] and not is_integer(match[2], text):
             yield at(match), f"NaN is not greater: {match[2]} = larger({match[2]}, ...) of larger.h"
-    for match in CHOICE.finditer(text):
+    for match in matches(CHOICE, "?"):
         if match[1] in (match[2], match[3]) and {match[2], match[3]} == {match[4], match[5]} and not is_integer(match[1], text):
             yield at(match), f"NaN may not be chosen: {match[1]} = larger({match[1]}, ...) of larger.h"
 
