@@ -177,7 +177,7 @@ class Library(_Declared):
                           ("iterations", iterations < 0)):
             if np.any(bad):
                 at = f"[{int(np.argmax(bad))}]" if np.ndim(bad) else ""
-                raise ValueError(f"{name}: {what}{at} is " + ("above upper" if what == "lower" else "negative"))
+                raise RbdError(Status.ERR_RANGE, f"{name}: {what}{at} is " + ("above upper" if what == "lower" else "negative"))
         n, bounded = len(friction), len(lower)
         rows = 3 * n + bounded
         arrays = {"delta": _numbers(name, "delta", delta, (rows, rows), dtype), "friction": friction,
