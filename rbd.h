@@ -1921,8 +1921,6 @@ RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
 #endif
 }
 
-RBDI_INLINE rbdi_batch rbdi_zero_batch(void) { return rbdi_all_lanes(rbdi_zero()); }
-
 #if RBDI_BATCH > 1
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 
@@ -1968,7 +1966,7 @@ RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) {
 RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum sum) { return sum; }
 #else
 typedef rbdi_batch rbdi_sum;
-RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_zero_batch(); }
+RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_all_lanes(rbdi_zero()); }
 RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) { return sum + x; }
 RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
     rbd_real sum = x[0];
@@ -2078,15 +2076,12 @@ RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) {
     u.bits = bits;
     return u.x;
 }
-
-RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < limit); }
 #else
 #if RBDI_BATCH == 1 /* lanes */
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 #endif
 RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) { return (rbdi_bits)x; }
 RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) { return (rbdi_batch)bits; }
-RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi_bits)(x < limit); }
 #endif
 
 /* Sine and cosine of x + quarters pi/2, |x| <= RBDI_SINCOS_LIMIT, without a branch. x = n pi/2 + r, n from
@@ -2165,25 +2160,27 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
 RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int first, int end, rbd_real *s,
                                  rbd_real *c) {
     const int size = (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-    int start = first / RBDI_BATCH * RBDI_BATCH; /* aligned */
-    rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
-    rbdi_bit any = 0;
+    int start = first / RBDI_BATCH * RBDI_BATCH;                                     /* aligned */
+    rbdi_bits within = (rbdi_bits)(rbdi_all_lanes(rbdi_zero()) < RBDI_SINCOS_LIMIT); /* all are */
+    rbdi_bit all;
 
     if (start + size < end) start = end - size;
     for (int i = start; i < end; i += RBDI_BATCH) {
         const rbdi_batch angle = *(const rbdi_batch *)&x[i];
-        beyond |= rbdi_beyond(angle * angle, RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
+        within &= (rbdi_bits)(angle * angle < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
         rbdi_sincos_batch(angle, *(const rbdi_batch *)&quarters[i], (rbdi_batch *)&s[i], (rbdi_batch *)&c[i]);
     }
 
-    /* large angles anew, one by one */
 #ifdef RBDI_BATCH_SCALAR
-    any = beyond;
+    all = within;
 #else
-    for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
+    all = within[0];
+    for (int i = 1; i < (int)(sizeof within / sizeof all); ++i) all &= within[i];
 #endif
+    if (all) return;
 
-    for (int i = first; any && i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
+    /* with a large angle, or one that is no number, all anew, one by one */
+    for (int i = first; i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif
 
@@ -3002,7 +2999,7 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
 /* Sets the n scalars of x to 0, a batch at a time. A call of memset would take longer. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
 #if RBDI_BATCH > 1 || defined RBD_LANES
-    const rbdi_batch zero = rbdi_zero_batch();
+    const rbdi_batch zero = rbdi_all_lanes(rbdi_zero());
 
     for (rbdi_batch *p; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
         RBDI_ONE_INDEX(x); /* without it the compiler calls memset all the same */
@@ -3089,18 +3086,18 @@ RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
 }
 
-/* Whether this program has all features of the model; others: features that count as had. rbd_aba needs
-   Cholesky's factor for mimic joints. */
-RBDI_INLINE int rbdi_supported_but(const rbd_model *m, uint32_t others) {
+/* Features of the model that this program lacks. RBDI_MASSLESS is always one of them: no program computes
+   dynamics without masses. Without Cholesky's factor mimic joints are one, because rbd_aba needs it for
+   them. */
+RBDI_INLINE uint32_t rbdi_missing(const rbd_model *m) {
 #ifdef RBD_NO_CHOLESKY
-    if (m->nmimic) return 0;
+    if (m->nmimic) return RBDI_MIMICS;
 #endif
-    return (m->features & ~((RBDI_FEATURES & ~RBDI_MASSLESS) | others)) == 0;
+    return m->features & ~(RBDI_FEATURES & ~RBDI_MASSLESS);
 }
 
-/* Whether this program can compute the model's kinematics; its dynamics. */
-RBDI_INLINE int rbdi_supported(const rbd_model *m) { return rbdi_supported_but(m, RBDI_MASSLESS); }
-RBDI_INLINE int rbdi_supports_dynamics(const rbd_model *m) { return rbdi_supported_but(m, 0); }
+/* Whether this program can compute the model's kinematics. */
+RBDI_INLINE int rbdi_supported(const rbd_model *m) { return (rbdi_missing(m) & ~RBDI_MASSLESS) == 0; }
 
 /* The first dof that moves no mass, -1 if there is none. It is part of the shape, so that no work of another
    model is taken: rbd_singular_dof reads it there. */
@@ -3230,24 +3227,23 @@ RBDI_INLINE int rbdi_has_shape(const rbd_model *m, const uint64_t shape[RBDI_SHA
     return m->shape[0] == shape[0] && m->shape[1] == shape[1] && m->shape[2] == shape[2];
 }
 
-RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) { return rbdi_has_shape(m, w->shape); }
-
 /* The first check of every call with a model and a work. arrays: none of the caller's required ones is
    NULL. The program must support the model, and the work must fit it. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
+    return rbdi_supported(m) && rbdi_has_shape(m, w->shape) ? RBD_OK : RBD_ERR_WORK;
 }
 
 /* Why a model's dynamics cannot be computed. */
 RBDI_COLD rbd_status rbdi_no_dynamics(const rbd_model *m, const rbd_work *w) {
-    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_ERR_MASSLESS : RBD_ERR_WORK;
+    const rbd_status status = rbdi_check(m, w, 1);
+    return status ? status : RBD_ERR_MASSLESS;
 }
 
 /* rbdi_check of a call that needs masses. */
 RBDI_INLINE rbd_status rbdi_check_dynamics(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    if (rbdi_supports_dynamics(m) && rbdi_fits(m, w)) return RBD_OK;
+    if (!rbdi_missing(m) && rbdi_has_shape(m, w->shape)) return RBD_OK;
     return rbdi_no_dynamics(m, w);
 }
 
@@ -5075,7 +5071,7 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
     RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
         RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
             const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
-            sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+            sum[a][b] = which == RBDI_FRESH ? rbdi_all_lanes(rbdi_zero()) : *(const rbdi_batch *)from;
             if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
         }
     }
@@ -5626,49 +5622,27 @@ RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rb
     return s;
 }
 
-/* Adds the rounding of a change of frame to three diagonal entries, from `first` on: a share of the largest
-   of them. */
-RBDI_COLD void rbdi_add_rounding(rbd_real K[6][6], int first) {
-    rbd_real most = rbdi_zero();
-    for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);
-    for (int j = first; j < first + 3; ++j) K[j][j] = K[j][j] + most * RBDI_TURN;
-}
-
-/* Pose of a link in its parent. Column j of E is the parent's axis j in the link's axes. */
-RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, int i) {
+/* K becomes X' (K + rounding) X. The rounding of a change of frame is a share of the largest moment, and of
+   the largest mass. X' takes a wrench to the parent's frame: first each column of K, then each row. */
+RBDI_COLD void rbdi_carry_up(const rbd_model *m, const rbd_work *w, int i, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
-    const int flags = rbdi_flags(l);
-    rbd_real column[3][3];
-    rbdi_trig t;
-    rbdi_pose X;
-    if (rbdi_is(l, RBDI_BLOCK)) return w->block[l->block].X;
 
-    t = rbdi_trig_of(m, w, i, flags);
-    for (int j = 0; j < 3; ++j) {
-        rbd_real axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
-        axis[j] = rbdi_set(RBD_C(1));
-        rbdi_store_vec(column[j], 1, rbdi_down(l, flags, t, rbdi_load_vec(axis, 1)));
+    for (int first = 0; first < 6; first += 3) {
+        rbd_real most = rbdi_zero();
+        for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);
+        for (int j = first; j < first + 3; ++j) K[j][j] = K[j][j] + most * RBDI_TURN;
     }
 
-    X.E.xx = column[0][0];
-    X.E.xy = column[1][0];
-    X.E.xz = column[2][0];
-    X.E.yx = column[0][1];
-    X.E.yy = column[1][1];
-    X.E.yz = column[2][1];
-    X.E.zx = column[0][2];
-    X.E.zy = column[1][2];
-    X.E.zz = column[2][2];
-    X.r = rbdi_add(rbdi_vec_c(l->r), rbdi_scale(t.d, rbdi_vec(X.E.zx, X.E.zy, X.E.zz)));
-    return X;
-}
-
-/* K becomes X' K X. X' takes a wrench to the parent's frame: first each column of K, then each row. */
-RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
     for (int j = 0; j < 12; ++j) {
         rbd_real *wrench = j < 6 ? &K[0][j] : K[j - 6];
         const int stride = j < 6 ? 6 : 1;
-        rbdi_store_force(wrench, stride, rbdi_force_up_block(X, rbdi_load_force(wrench, stride)));
+        rbdi_force F = rbdi_load_force(wrench, stride);
+
+        if (rbdi_is(l, RBDI_BLOCK))
+            F = rbdi_force_up_block(&w->block[l->block].X, F);
+        else
+            F = rbdi_force_up(l, rbdi_flags(l), rbdi_trig_of(m, w, i, rbdi_flags(l)), F);
+        rbdi_store_force(wrench, stride, F);
     }
 }
 
@@ -5676,7 +5650,6 @@ RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
 RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask doubt, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
     rbd_real inertia[6], S[6], V[6];
-    rbdi_pose X;
 
     /* the inertias of the link's bodies */
     for (int b = 0; b < m->nb; ++b) {
@@ -5696,13 +5669,7 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
         rbdi_check_pivot(w, l->iv + k, e, doubt);
     }
 
-    if (l->parent < 0) return;
-
-    /* X' (K + rounding) X */
-    X = rbdi_pose_in_parent(m, w, i);
-    rbdi_add_rounding(K, 0);
-    rbdi_add_rounding(K, 3);
-    rbdi_carry_up(&X, K);
+    if (l->parent >= 0) rbdi_carry_up(m, w, i, K);
 }
 
 /* Checks the pivots of the last pass 2, leaves first. The sums of branch points' K stand where those of IA
@@ -5734,14 +5701,6 @@ RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doub
 
         rbdi_clear(K[0], 36);
     }
-}
-
-/* The status of rbd_aba. doubt: whether a pivot is in doubt; a: the results. */
-RBDI_INLINE rbd_status rbdi_aba_status(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *a) {
-    w->singular = -1;
-    if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_check_bodies(m, w, doubt);
-    return rbdi_pivot_status(m, w, a, m->nv);
 }
 
 /* ==== src/dynamics/hybrid.h ==== */
@@ -5858,6 +5817,8 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     const rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && a);
     if (status) return status;
 #ifndef RBD_NO_CHOLESKY
+    /* a joint and its mimic are one dof in two places of the tree, which no sweep can eliminate at one link
+       */
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
 
@@ -5866,7 +5827,11 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, rbdi_world_state(w->gravity).acc, a);
-    return rbdi_aba_status(m, w, doubt, a);
+
+    w->singular = -1;
+    if (!rbdi_any(doubt)) return RBD_OK;
+    rbdi_check_bodies(m, w, doubt);
+    return rbdi_pivot_status(m, w, a, m->nv);
 }
 
 #ifndef RBD_NO_CHOLESKY
