@@ -3,9 +3,9 @@
 # declarations only, with the implementation, with RBD_STATIC (for double alone, a keyword apart), and the declarations of
 # rbd_urdf.h and rbd_mjcf.h; for double and, with the first standard, float. Without code, as a standard decides on syntax and
 # meaning alone, and as clang warns of all before it writes code; GCC warns of some there: of functions without use or result
-# and of cases that fall through. So with GCC the static functions, which are the same implementation, with code at -O0 by the
+# and of cases that fall through. So with gcc the static functions, which are the same implementation, with code at -O0 by the
 # first standard; it sees the rest at -O2 where the tests' library is built. Then the batch calls for several numbers of lanes,
-# with the SIMD unit for them where the compiler has it; with GCC the first of them with code. clang 16 compiles the implementation
+# with the SIMD unit for them where the compiler has it; with gcc the first of them with code. clang 16 compiles the implementation
 # alone, by the first standard in C and the last in C++. With RBD_ALL_TESTS=yes it compiles all as clang 19 does; float and lanes
 # with the last standard too, and the standards between the first and the last; all of the first with code at -O0 by each
 # compiler, and clang-19 at -O2.
@@ -59,7 +59,7 @@ compile() {
 # level_of COMPILER: of what it compiles with the first standard
 level_of() {
     case $all_tests$1 in
-    clang*) echo -fsyntax-only ;;
+    clang* | g++) echo -fsyntax-only ;;
     *) echo "$quick" ;;
     esac
 }

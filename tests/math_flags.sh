@@ -157,13 +157,8 @@ for compiler; do
         # shellcheck disable=SC2086 # words wanted
         right "$compiler" -DRBD_REAL=$scalar $others
     done
-    case $all$compiler in
-    gcc | clang-19)
-        right "$compiler" -DRBD_REAL=float -ffp-contract=fast
-        # shellcheck disable=SC2086 # words wanted
-        right "$compiler" -DRBD_REAL=double $others
-        ;;
-    esac
+    # shellcheck disable=SC2086 # words wanted
+    [ -n "$all" ] || right "$compiler" -DRBD_REAL=double $others
 done
 [ -n "$all" ] || echo "SKIPPED but by ./run test --all: -O2, -O3, and sine and checks with each scalar, each flag by other compilers"
 
