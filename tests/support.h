@@ -71,8 +71,8 @@ TCase *slow_tests(Suite *suite);
 /* On every reference model, `count` random states. */
 void for_random_states(int count, state_check *check);
 
-/* A part of the random trees, the first of them, is enough every day, under the sanitizers, for coverage, and for
-   ./run quick; ./run test --all has all of them. */
+/* A part of the random trees, the first of them, is enough every day, under the sanitizers, for coverage,
+   and for ./run quick; ./run test --all has all of them. */
 #ifndef PART_OF_TREES
 #define PART_OF_TREES 1
 #endif
