@@ -688,8 +688,9 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
                                     const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 
 /* Hybrid dynamics, M a + c = tau + sum J' f_ext: of each degree of freedom either the acceleration or the
-   torque is given, and the other computed. By the mass matrix, RBDA section 9.1; a joint's dofs may differ.
-   If only a floating base's torque is given, rbd_id_free_base of rbd_derivatives.h is faster.
+   torque is given, and the other computed. By the mass matrix, RBDA section 9.1. Of the dofs of one joint
+   some may have a given, the others tau. If only a floating base's torque is given, rbd_id_free_base of
+   rbd_derivatives.h is faster.
    given   nv flags: not 0 where a is given, 0 where tau is
    a, tau  in: what is given; out: all. Not the same array.
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
@@ -1863,6 +1864,13 @@ RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
 #endif
 RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
 RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi_zero()), -x, x); }
+
+/* The larger and the smaller of two. If one is NaN these are a and b. */
+RBDI_INLINE rbd_real rbdi_larger(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), b, a); }
+RBDI_INLINE rbd_real rbdi_smaller(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), a, b); }
+
+/* Of infinity and of NaN x - x is NaN. */
+RBDI_INLINE int rbdi_is_finite(rbd_const x) { return x - x <= 0; }
 
 /* 1 / D if D > threshold, else 0, and bad is set: no division gives infinity. */
 RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {

@@ -2157,8 +2157,7 @@ START_TEST(flat_contact_carries_a_box) {
 }
 END_TEST
 
-/* By default a floating joint has no motor, wherever it stands, as in rbd_tasks; and lambda may be left out.
-   */
+/* By default a floating joint has no motor, as in rbd_tasks; and lambda may be left out. */
 START_TEST(floating_joint_of_a_link_has_no_motor) {
     const rbd_body ship[2] = {{.parent = -1, .type = RBD_FLOATING, .mass = 9, .inertia = {4, 0, 0, 5, 0, 6}},
                               {.parent = 0, .type = RBD_FLOATING, .mass = 2, .inertia = {1, 0, 0, 2, 0, 3}}};

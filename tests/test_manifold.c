@@ -659,8 +659,7 @@ START_TEST(step_of_a_free_body_is_exact) {
 }
 END_TEST
 
-/* Of each type: 'L' where a coordinate is a length, from -1 to 1, 'A' where it is an angle, from -pi to pi.
-   */
+/* Of each type: 'L' where a coordinate is a length, from -1 to 1, 'A' where it is an angle. */
 START_TEST(random_lengths_and_angles) {
     static const char *const coordinates[RBD_JOINT_TYPES] = {
         [RBD_REVOLUTE] = "A",    [RBD_CONTINUOUS] = "A",   [RBD_PRISMATIC] = "L",

@@ -383,6 +383,8 @@ def _rotor_torque(model, rotors, q, v, a, f_ext):
         where = f"rotor_torque: rotor {number}"
         if not 0 <= _whole(where, "dof", rotor.dof) < model.nv:
             raise IndexError(f"{where}: no such dof: {rotor.dof}; there are {model.nv}")
+        if _number(where, "inertia", rotor.inertia) < 0:
+            raise RbdError(Status.ERR_RANGE, f"{where}, field 'inertia': {rotor.inertia} is negative")
         _fill(Rotor(model._body(rotor.body, where, "body", world=True), rotor.dof, rotor.axis, rotor.gear, rotor.inertia),
               rows[number], where)
     arrays = [_numbers("rotor_torque", name, x, (size,), dtype) for name, x, size in

@@ -244,6 +244,33 @@ def test_slips_of_arguments(double):
     assert not bad, f"{len(bad)} slips\n" + "\n".join(bad)
 
 
+# What may be negative, and indices of which -1 is none.
+SIGNED = set("""Model.add_payload.mass Model.body_name.body Model.joint_name.body Model.dof_body.dof Model.integrate.dt
+Model.free_step.dt Model.integrate_derivatives.dt Model.step.dt Model.interpolate.s Model.packed_index.i Model.packed_index.j
+Model.random.seed Library.status_string.status Spatial.inertia_of.mass Spatial.rotation_from_axis_angle.angle
+Spatial.rotation_from_rpy.roll Spatial.rotation_from_rpy.pitch Spatial.rotation_from_rpy.yaw ConstraintSet.first.constraint
+ContactSet.plane.height ContactSet.row_set.lower ContactSet.row_set.bias Actuators.friction.speed Actuators.friction.torque
+Actuators.friction.joint Actuators.reset.air Body.pitch Body.lower Body.upper Body.mimic_ratio Body.mimic_offset Contact.height
+Motor.gear Motor.phase Motor.offset Rod.elbow Rotor.gear""".split())
+
+
+def test_negative_numbers(double):
+    """A number that must not be negative is refused by name, and no number is silently so but those of SIGNED."""
+    bad, signed = [], set()
+    uses = [(walk.name, name, lambda name=name, walk=walk: walk.run(**{name: -1})) for walk in walks(double)
+            for name, kind in walk.kinds.items() if kind.rstrip("?") in ("number", "numbers", "count")]
+    uses += [(kind.__name__, field.name, lambda kind=kind, use=use, row={**right, field.name: -1}: use(kind(**row)))
+             for kind, use, right in fields_of(double) for field in dataclasses.fields(kind)
+             if (WITH.get(field.name) or KINDS[field.type.replace(" | None", "")]) in ("number", "count")]
+    for owner, name, use in uses:
+        text = message(use)
+        if f"{owner}.{name}" in SIGNED:
+            signed.add(f"{owner}.{name}")
+        elif not is_named(text, name):
+            bad.append(f"{owner}.{name}: {text[:100] or 'nothing is said'}")
+    assert not bad and signed == SIGNED, "\n".join(bad)
+
+
 # ---- right arguments in other forms ----
 
 def forms(right):
