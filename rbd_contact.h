@@ -1184,7 +1184,10 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
 
     for (int i = rbdi_full_step(s, proximal) ? 0 : 4; i < 4; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
-        for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->full[r] - s->start[r]) * share;
+
+        if (i > 0) { /* p is the full step already */
+            for (int r = 0; r < s->rows; ++r) s->p[r] = s->start[r] + (s->full[r] - s->start[r]) * share;
+        }
         (void)rbdi_into_cones(s, 0);
         rbdi_contact_residual(s);
         if (s->solution.residual < before * gain[i]) return 1;
@@ -1236,6 +1239,7 @@ RBDI_PART void rbdi_set_impulses(rbdi_contact_solver *s, const rbd_real *p) {
    that jam would get impulses in whose rounding the velocities are lost. */
 RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
     rbd_real least;
+
     rbdi_clear(s->start, s->rows);
     rbdi_set_impulses(s, s->start);
     least = s->solution.residual / 2;
@@ -1250,9 +1254,11 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     const rbd_const proximal[3] = RBDI_PROXIMAL;
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
     int sweeps = 2;
+
     s->solution.sweeps = s->solution.newton_steps = 0;
     s->solution.residual = rbdi_zero();
     if (s->rows == 0) return;
+
     rbdi_clear(s->best, s->rows);
 
     rbdi_contact_velocities(s);
@@ -1271,6 +1277,7 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
             return;
         }
 
+        /* a Newton step with each proximal weight, or sweeps if none reduces the residual */
         while (tried < 3 && !rbdi_newton_step(s, proximal[tried])) ++tried;
         ++s->solution.newton_steps;
         if (tried < 3) continue;
@@ -1373,7 +1380,8 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
     rbdi_contact_begin(&s, problem, p);
     rbdi_contact_iterate(&s);
 
-    for (int i = 0; state && i < problem->contacts; ++i) state[i] = s.law[i].state;
+    if (state)
+        for (int i = 0; i < problem->contacts; ++i) state[i] = s.law[i].state;
     if (solution) *solution = s.solution;
     return RBD_OK;
 }
@@ -1457,9 +1465,12 @@ RBDI_LOCAL void rbdi_begin_bounded(rbdi_bounded_row *row) {
 /* Lists the dofs that have dry friction, or counts them; NULL: counts. */
 RBDI_LOCAL int rbdi_list_frictions(const rbd_model *m, const rbd_contact_options *o, rbdi_bounded_row *row) {
     int n = 0;
-    for (int k = 0; o->joint_friction && k < m->nv; ++k) {
+    if (!o->joint_friction) return 0;
+
+    for (int k = 0; k < m->nv; ++k) {
         const rbd_const friction = rbdi_joint_friction(m, k);
         if (!(friction > 0)) continue;
+
         if (row) {
             rbdi_begin_bounded(&row[n]);
             row[n].law.dofs = 1;
@@ -1731,8 +1742,9 @@ RBDI_LOCAL int rbdi_limits_of_joint(const rbd_model *m, const rbdi_frame *u, rbd
 /* Lists the limits of all joints of one dof; NULL: counts them. */
 RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbd_contact_options *o, rbdi_limit_row *row) {
     int n = 0;
-    for (int b = 0; o->joint_limits && b < m->nb; ++b)
-        if (m->frame[b].nv == 1) n += rbdi_limits_of_joint(m, &m->frame[b], row ? &row[n] : NULL);
+    if (o->joint_limits)
+        for (int b = 0; b < m->nb; ++b)
+            if (m->frame[b].nv == 1) n += rbdi_limits_of_joint(m, &m->frame[b], row ? &row[n] : NULL);
     return n;
 }
 
@@ -2337,8 +2349,12 @@ RBDI_LOCAL void rbdi_find_rebounds(rbd_contact_set *c) {
         any |= contact->rebounds;
     }
 
-    for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact)
-        if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap)) contact->rebounds = 1;
+    if (any) {
+        for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
+            if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap))
+                contact->rebounds = 1;
+    }
+
     for (rbdi_limit_row *limit = c->limit; limit < c->limit + c->limits; ++limit)
         limit->rebounds = any && limit->row >= 0 && rbdi_leaves(c, &limit->gap);
 }
@@ -2604,18 +2620,22 @@ RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, 
     rbdi_vector_transposed(m, w, w->H, x);
 }
 
-/* Adds dt damping, and the caller's matrix, to M, and factors it. */
+/* Adds the caller's matrix and the damping to M, and factors the sum. Returns whether a pivot is in doubt. */
 RBDI_LOCAL rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
-    for (int k = 0; c->added && k < m->nh; ++k) w->H[k] = w->H[k] + c->added[k];
+
+    /* K = M + A + dt d */
+    if (c->added)
+        for (int k = 0; k < m->nh; ++k) w->H[k] = w->H[k] + c->added[k];
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         c->damping[k] = damping ? damping[k] : rbdi_zero();
         if (c->options.joint_damping) c->damping[k] = c->damping[k] + rbdi_joint_damping(m, k);
         *diagonal = *diagonal + c->dt * c->damping[k];
     }
+
     doubt = rbdi_factor(m, w, w->H);
     for (int k = 0; k < m->nv; ++k) s->D_inverse[k] = w->H[m->dof[k].row + m->dof[k].depth];
     return doubt;
@@ -2713,7 +2733,7 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
    turns. Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
-    rbd_real *change = c->rows->x;
+    rbd_real *change = c->rows->x; /* of velocities, by the first correction */
     rbd_real changes = rbdi_zero();
     rbd_real speeds = c->solver.given.tolerance;
 
@@ -2748,20 +2768,23 @@ RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const
 
 /* Corrects again, if the first correction changed anything; solves with the biases of positions, and computes
    c->moved. Where neither correction nor biases changed anything, the first solution stays if it is good
-   enough. Its impulses are kept in c->early. */
+   enough. c->early keeps the impulses of the first solution for rbdi_solve_apart. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext, int changed) {
     const rbd_contact_solution first = c->solver.solution;
     const rbd_constraint_set *s = c->rows;
-    if (changed)
+
+    if (changed) {
         rbdi_correct_again(m, c, tau, f_ext);
-    else
+    } else {
         for (int k = 0; k < m->nv; ++k) c->x[RBDI_X_CORRECTED_TWICE][k] = c->x[RBDI_X_CORRECTED][k];
+    }
 
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
     for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
     changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS) > 0;
+
     if (changed || !(first.residual <= c->solver.given.tolerance)) {
         rbdi_contact_iterate(&c->solver);
         c->solver.solution.sweeps += first.sweeps;
@@ -2801,6 +2824,7 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
 RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
     const rbd_constraint_set *s = c->rows;
     const rbd_real inverse = 1 / c->dt;
+
     c->last_dt = c->dt;
     rbdi_clear(c->impulse, c->max_rows);
     for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
@@ -2829,12 +2853,15 @@ RBDI_LOCAL void rbdi_solve_apart(const rbd_model *m, rbd_contact_set *c, rbd_rea
     const rbd_contact_solution first = c->solver.solution;
     const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
 
-    for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
+    if (again)
+        for (int r = 0; r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
+
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->half > 0 ? c->x[RBDI_X_CORRECTED_TWICE] : c->x[RBDI_X_UNCORRECTED], c->nu);
 
     c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
-    for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
+    if (c->jams)
+        for (int k = 0; k < m->nv; ++k) c->moved[k] = c->nu[k];
 
     c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
     c->solver.solution.sweeps += first.sweeps;
@@ -2847,6 +2874,7 @@ RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set 
     int finite = rbdi_all_finite(c->b, c->rows->rows) && rbdi_all_finite(c->q_mid, m->nq);
     rbd_real asked;
 
+    /* nu is c->moved, unless biases differ */
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     asked = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
@@ -2900,6 +2928,7 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     int flies;
     if (status) return status;
+
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
 
@@ -2915,8 +2944,11 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
                                    const rbd_real *damping, rbd_real dt, rbd_real *a) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
+
     rbdi_choose_scheme(c, dt, 1);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
+
+    /* a = (nu - v_mid) / dt + a(at), by [straight moves] */
     for (int k = 0; k < m->nv; ++k) a[k] = (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
     if (!status && !rbdi_all_finite(a, m->nv)) status = RBD_ERR_NAN;
     if (status) rbdi_clear(a, m->nv);
@@ -2927,7 +2959,8 @@ RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_
                                            rbd_real force[3]) {
     const int there = c && i >= 0 && i < c->n;
     if (gap) *gap = there ? c->contact[i].gap.start : rbdi_zero();
-    for (int j = 0; force && j < 3; ++j) force[j] = there ? c->contact[i].force[j] : rbdi_zero();
+    if (force)
+        for (int j = 0; j < 3; ++j) force[j] = there ? c->contact[i].force[j] : rbdi_zero();
     return there ? c->contact[i].state : RBD_APART;
 }
 
@@ -3021,8 +3054,12 @@ RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivat
         if (rho[1]) rho[1][k] = rho[1][k] + B[k];
     }
     rbdi_multiply(B, -rbdi_set(RBD_C(1)), n * n);
-    for (int x = 0; last && x < 3; ++x)
-        for (int k = 0; rho[x] && k < n; ++k) rbdi_subtract_product(&B[k * n], last[x], n, n, &rho[x][k * n]);
+    if (!last) return;
+
+    for (int x = 0; x < 3; ++x) {
+        if (!rho[x]) continue;
+        for (int k = 0; k < n; ++k) rbdi_subtract_product(&B[k * n], last[x], n, n, &rho[x][k * n]);
+    }
 }
 
 /* The same in place of what was there. */
@@ -3267,7 +3304,8 @@ RBDI_LOCAL int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *
 
 RBDI_LOCAL void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_real *const to[3]) {
     for (int x = 0; x < 3; ++x)
-        for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
+        if (from[x])
+            for (int k = 0; k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
 }
 
 /* Solves for the corrections of the velocity terms. to->dq: rho of the first solution. to->dv becomes dnu

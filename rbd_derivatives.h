@@ -814,8 +814,10 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
         }
 
         /* of a root: that of the world, -v of the common origin */
-        for (int k = seg->first; moves && k < seg->origin; ++k)
-            V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
+        if (moves) {
+            for (int k = seg->first; k < seg->origin; ++k)
+                V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
+        }
 
         /* of a block: all dofs have its p and its joint's sum */
         if (seg->block) {
@@ -1088,10 +1090,15 @@ RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *roo
             }
         }
 
-        for (e = first + 1; seg->block && e < d->entry + seg->end; ++e) {
-            out = x + e->at;
-            RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
+        /* a block: all of its dofs have the sum */
+        if (seg->block) {
+            for (e = first + 1; e < d->entry + seg->end; ++e) {
+                out = x + e->at;
+                RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
+            }
         }
+
+        /* and the parent's segment takes it */
 
         if (seg->parent < 0) continue;
         out = x + d->entry[seg->parent].at;
@@ -1277,8 +1284,10 @@ RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const r
 
 /* Replaces dtau_i/dq_j of dofs i before j of one block by T_i' Psi_j + F_i' Phi_j. */
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
-    for (const rbdi_segment *seg = d->segment + (d->base > 0); seg < d->segment + d->segments; ++seg)
-        for (int i = seg->first; seg->block && i < seg->end; ++i) {
+    for (const rbdi_segment *seg = d->segment + (d->base > 0); seg < d->segment + d->segments; ++seg) {
+        if (!seg->block) continue;
+
+        for (int i = seg->first; i < seg->end; ++i) {
             const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
             const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
 
@@ -1287,6 +1296,7 @@ RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) 
                     rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega), RBDI_BATCH)) +
                     rbdi_power(rbdi_load_motion(RBDI_OF(d, j, stage.by_q.Phi), RBDI_BATCH), F);
         }
+    }
 }
 
 /* Adds the rotors' inertias to the diagonal of M. */
@@ -1555,7 +1565,8 @@ RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x
         }
     }
 
-    for (int k = 0; base && k < n; ++k, x += RBDI_BATCH, out += nv) {
+    if (!base) return;
+    for (int k = 0; k < n; ++k, x += RBDI_BATCH, out += nv) {
         RBDI_UNROLL_SIX for (int j = 0; j < 6; j += RBDI_BATCH)
             rbdi_copy_batch(&x[j * RBDI_COLUMN_SIZE], 6 - j, &out[j]);
     }
@@ -1972,8 +1983,9 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     for (const rbdi_segment *r = d->segment + 1; r < d->segment + d->segments; ++r) {
         if (r->parent < 0) offset = rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
         others |= r->parent < 0;
+        if (!others) continue;
 
-        for (int k = r->first; others && k < r->end; ++k) {
+        for (int k = r->first; k < r->end; ++k) {
             rbd_real *x = RBDI_OF(d, k, x);
             rbdi_store_vec(x, RBDI_BATCH, rbdi_add(rbdi_load_vec(x, RBDI_BATCH), offset));
             rbdi_shift_moment(RBDI_OF(d, k, F), offset);
@@ -2274,9 +2286,10 @@ RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *
     for (int k = 0; k < m->nv; ++k) given[k] = 1;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        const int base = l->parent < 0 && rbdi_link_dofs(m, l) == 6;
-        for (int k = 0; base && k < 6; ++k) given[l->iv + k] = 0;
-        bases += base;
+        if (l->parent >= 0 || rbdi_link_dofs(m, l) != 6) continue;
+
+        for (int k = 0; k < 6; ++k) given[l->iv + k] = 0;
+        ++bases;
     }
 
     if (bases == 0) return rbd_rnea(m, d->work, q, v, a, f_ext, tau);
@@ -2571,11 +2584,13 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
 
     /* from y to a */
     if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
-    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
+    if (a)
+        for (int k = 0; k < nv; ++k) a[k] = d->a[k];
+    if (!status) return RBD_OK;
 
     /* the results become 0 in the lanes that have an error */
-    if (status && a) (void)rbdi_pivot_status(m, d->work, a, nv);
-    for (int k = 0; status && k < 3; ++k)
+    if (a) (void)rbdi_pivot_status(m, d->work, a, nv);
+    for (int k = 0; k < 3; ++k)
         if (result[k]) (void)rbdi_pivot_status(m, d->work, result[k], nv * nv);
     return status;
 }

@@ -78,8 +78,12 @@ RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivat
         if (rho[1]) rho[1][k] = rho[1][k] + B[k];
     }
     rbdi_multiply(B, -rbdi_set(RBD_C(1)), n * n);
-    for (int x = 0; last && x < 3; ++x)
-        for (int k = 0; rho[x] && k < n; ++k) rbdi_subtract_product(&B[k * n], last[x], n, n, &rho[x][k * n]);
+    if (!last) return;
+
+    for (int x = 0; x < 3; ++x) {
+        if (!rho[x]) continue;
+        for (int k = 0; k < n; ++k) rbdi_subtract_product(&B[k * n], last[x], n, n, &rho[x][k * n]);
+    }
 }
 
 /* The same in place of what was there. */
@@ -324,7 +328,8 @@ RBDI_LOCAL int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *
 
 RBDI_LOCAL void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_real *const to[3]) {
     for (int x = 0; x < 3; ++x)
-        for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
+        if (from[x])
+            for (int k = 0; k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
 }
 
 /* Solves for the corrections of the velocity terms. to->dq: rho of the first solution. to->dv becomes dnu

@@ -82,7 +82,8 @@ RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x
         }
     }
 
-    for (int k = 0; base && k < n; ++k, x += RBDI_BATCH, out += nv) {
+    if (!base) return;
+    for (int k = 0; k < n; ++k, x += RBDI_BATCH, out += nv) {
         RBDI_UNROLL_SIX for (int j = 0; j < 6; j += RBDI_BATCH)
             rbdi_copy_batch(&x[j * RBDI_COLUMN_SIZE], 6 - j, &out[j]);
     }

@@ -147,8 +147,10 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
         }
 
         /* of a root: that of the world, -v of the common origin */
-        for (int k = seg->first; moves && k < seg->origin; ++k)
-            V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
+        if (moves) {
+            for (int k = seg->first; k < seg->origin; ++k)
+                V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
+        }
 
         /* of a block: all dofs have its p and its joint's sum */
         if (seg->block) {

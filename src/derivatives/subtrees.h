@@ -161,10 +161,15 @@ RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *roo
             }
         }
 
-        for (e = first + 1; seg->block && e < d->entry + seg->end; ++e) {
-            out = x + e->at;
-            RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
+        /* a block: all of its dofs have the sum */
+        if (seg->block) {
+            for (e = first + 1; e < d->entry + seg->end; ++e) {
+                out = x + e->at;
+                RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
+            }
         }
+
+        /* and the parent's segment takes it */
 
         if (seg->parent < 0) continue;
         out = x + d->entry[seg->parent].at;
