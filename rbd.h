@@ -6026,6 +6026,7 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     if (w->moving) rbdi_kin_states(m, w, 0, m->nl, v, a);
     rbdi_kin_links(m, w, 0, m->nl, v, w->moving);
 
+    /* kinetic energy of the rotors */
     *w->rotors = rbdi_zero();
     for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
         *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
@@ -6202,7 +6203,7 @@ RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w
 
 RBDI_API rbd_const rbd_mass(const rbd_model *m) {
     rbd_const mass = RBD_C(0);
-    for (int body = 0; m && body < m->nb; ++body)
+    for (int body = 0; body < rbd_nb(m); ++body)
         if (m->frame[body].link >= 0) mass += m->frame[body].mass;
     return mass;
 }
@@ -6778,8 +6779,9 @@ RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const r
     rbd_real sum = rbdi_zero();
     if (!m || !q0 || !q1 || !distance) return RBD_ERR_NULL;
 
-    for (int k = 0; weight && k < m->nv; ++k)
-        if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
+    if (weight)
+        for (int k = 0; k < m->nv; ++k)
+            if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
 
     /* the sum of weight_k d_k^2 */
     for (int b = 0; b < m->nb; ++b) {
@@ -7114,9 +7116,11 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     /* q_mid and v_mid, and K there */
     rbdi_move_joints(m, RBDI_CENTRES, q, v, v, half, q_next, v_next);
     rbd_crba_packed(m, w, q_next, w->H);
-    for (int k = 0; damping && k < m->nv; ++k) {
-        rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
-        *diagonal = *diagonal + dt * damping[k];
+    if (damping) {
+        for (int k = 0; k < m->nv; ++k) {
+            rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
+            *diagonal = *diagonal + dt * damping[k];
+        }
     }
 
     doubt = rbdi_factor(m, w, w->H);

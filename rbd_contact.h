@@ -1058,11 +1058,14 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
         largest = size;
     }
 
-    for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
-        const rbd_real old = own[j];
-        own[j] = best[j];
-        best[j] = old;
+    if (best != own) {
+        for (int j = k; j < s->unknowns + s->sides; ++j) {
+            const rbd_real old = own[j];
+            own[j] = best[j];
+            best[j] = old;
+        }
     }
+
     return largest > 0;
 }
 

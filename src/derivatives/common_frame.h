@@ -189,7 +189,7 @@ RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v,
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
     RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q gives Phi and E */
-    RBDI_NEED_CORIOLIS = 4, /* B instead of 2 B: X and P from V, not from 2 V, and U = V x S */
+    RBDI_NEED_CORIOLIS = 4, /* W = V, not 2 V, for X and P; U = V x S */
     RBDI_NEED_WHOLE = 16    /* with the linear velocity of a free base and gravity, else both are 0 */
 };
 
