@@ -688,8 +688,9 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
                                     const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 
 /* Hybrid dynamics, M a + c = tau + sum J' f_ext: of each degree of freedom either the acceleration or the
-   torque is given, and the other computed. By the mass matrix, RBDA section 9.1; a joint's dofs may differ.
-   If only a floating base's torque is given, rbd_id_free_base of rbd_derivatives.h is faster.
+   torque is given, and the other computed. By the mass matrix, RBDA section 9.1. Of the dofs of one joint
+   some may have a given, the others tau. If only a floating base's torque is given, rbd_id_free_base of
+   rbd_derivatives.h is faster.
    given   nv flags: not 0 where a is given, 0 where tau is
    a, tau  in: what is given; out: all. Not the same array.
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
@@ -1863,6 +1864,13 @@ RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
 #endif
 RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
 RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi_zero()), -x, x); }
+
+/* The larger and the smaller of two. If one is NaN these are a and b. */
+RBDI_INLINE rbd_real rbdi_larger(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), b, a); }
+RBDI_INLINE rbd_real rbdi_smaller(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), a, b); }
+
+/* Of infinity and of NaN x - x is NaN. */
+RBDI_INLINE int rbdi_is_finite(rbd_const x) { return x - x <= 0; }
 
 /* 1 / D if D > threshold, else 0, and bad is set: no division gives infinity. */
 RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
@@ -3114,18 +3122,19 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
 }
 
 /* ==== src/model/joint_types.h ==== */
-/* Interface: rbdi_first_axis, rbdi_has_quaternion, rbdi_type_turns */
+/* Interface: rbdi_first_axis, rbdi_has_quaternion, rbdi_is_length, rbdi_type_turns */
 
 /* ---- joint types [joint types] ----
    The differences between joint types. A type is a chain of one-axis links, one for each letter of its axes,
    or, if it has none, a block: a joint with several axes through one point. To add a type:
 
      always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
-     a chain     of links that turn or slide needs that row alone and, for lengths, motion/manifold.h:
-                 rbdi_random_joint. For links of another kind, as screws: model/links.h: rbdi_build_joint
-     a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
-                 rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
-                 slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
+     a chain     of links that turn or slide needs that row alone. For links of another kind, as screws:
+                 model/links.h: rbdi_build_joint
+     a block     rbdi_first_axis and rbdi_is_length, below; model/joints.h: rbdi_joint_attitude,
+                 rbdi_joint_origin, rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves,
+                 and whether it slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it
+                 only slides
      v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and
      the rate    rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint,
      of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
@@ -3185,6 +3194,14 @@ RBDI_INLINE int rbdi_type_turns(int type) {
 
 /* Whether the last four coordinates are a quaternion. */
 RBDI_INLINE int rbdi_has_quaternion(int type) { return type == RBD_SPHERICAL || type == RBD_FLOATING; }
+
+/* Whether coordinate k, which is no part of a quaternion, is a length. Those of a block come first. */
+RBDI_PART int rbdi_is_length(int type, int k) {
+    const rbdi_joint_fact *fact = rbdi_joint_facts(type);
+    if (fact->axes[0]) return rbdi_axis_slides(fact->axes[k]);
+
+    return type == RBD_PLANAR ? k < 2 : type != RBD_SPHERICAL;
+}
 
 /* Number of links of a joint: of a chain one for each dof, of a block one. */
 RBDI_PART int rbdi_links_of(int type) {
@@ -5609,8 +5626,8 @@ RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rb
     return s;
 }
 
-/* K becomes X' (K + rounding) X. The rounding of a change of frame is a share of the largest moment, and of the
-   largest mass. X' takes a wrench to the parent's frame: first each column of K, then each row. */
+/* K becomes X' (K + rounding) X. The rounding of a change of frame is a share of the largest moment, and of
+   the largest mass. X' takes a wrench to the parent's frame: first each column of K, then each row. */
 RBDI_COLD void rbdi_carry_up(const rbd_model *m, const rbd_work *w, int i, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
 
@@ -5804,7 +5821,8 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     const rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && a);
     if (status) return status;
 #ifndef RBD_NO_CHOLESKY
-    /* a joint and its mimic are one dof in two places of the tree, which no sweep can eliminate at one link */
+    /* a joint and its mimic are one dof in two places of the tree, which no sweep can eliminate at one link
+       */
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
 
@@ -6855,20 +6873,15 @@ RBDI_COLD void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
    orientations. */
 RBDI_COLD void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
     const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
-    int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
+    const int numbers = u->nq - (rbdi_has_quaternion(u->type) ? 4 : 0);
     if (u->nv == 1 && u->lower < u->upper) {
         q[0] = rbdi_draw(seed, u->lower, u->upper);
         return;
     }
 
-    if (u->type == RBD_PRISMATIC) shifts = 1;
-    if (u->type == RBD_PLANAR) shifts = 2;
-    if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = angles = 3;
-    if (u->type == RBD_SPHERICAL) angles = 0;
-    for (int k = 0; k < angles; ++k)
-        q[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
+    for (int k = 0; k < numbers && k < u->nv; ++k)
+        q[k] = rbdi_is_length(u->type, k) ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
 
-    if (u->type == RBD_CYLINDRICAL) q[1] = rbdi_draw(seed, -one, one);
     if (u->type == RBD_CONTINUOUS_CS) {
         const rbd_real angle = q[0];
         rbdi_sincos(angle, &q[1], &q[0]);
@@ -6908,7 +6921,7 @@ enum { RBDI_ORIGINS, RBDI_CENTRES };
 RBDI_INLINE rbdi_v3 rbdi_straight_point(const rbd_model *m, const rbdi_frame *u, int points) {
     const rbdi_link *l;
     rbd_real inverse;
-    if (points == RBDI_ORIGINS || u->link < 0) return rbdi_vec0();
+    if (points == RBDI_ORIGINS) return rbdi_vec0();
     l = &m->link[u->link];
     if (!(l->mass > 0)) return rbdi_vec0();
 
@@ -7036,7 +7049,7 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const rbd_real *first,
                                    const rbd_real *second, rbd_real *third) {
     const rbd_real one = rbdi_set(RBD_C(1));
-    rbd_real before = rbdi_zero(), after = before, t, share;
+    rbd_real before = rbdi_zero(), after = before, t, kept;
     rbdi_mask grows;
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real inverse = L[m->dof[k].row + m->dof[k].depth], old = second[k] - first[k],
@@ -7051,8 +7064,11 @@ RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const 
     /* t = 2 r - 1, at most 1 */
     t = (after + after) / before - one;
     t = rbdi_select(rbdi_less(one, t), one, t);
-    share = rbdi_select(grows, t * after / (before + after), rbdi_zero());
-    for (int k = 0; k < m->nv; ++k) third[k] = third[k] - share * (third[k] - first[k]);
+
+    /* y_3 = y_1 + (1 - t s) (y_3 - y_1): without a difference of large numbers where r is large */
+    kept = (before + (one - t) * after) / (before + after);
+    for (int k = 0; k < m->nv; ++k)
+        third[k] = rbdi_select(grows, first[k] + kept * (third[k] - first[k]), third[k]);
 }
 
 /* Columns of w->F, behind the scratch of a solution: three solutions, velocities, and accelerations. */

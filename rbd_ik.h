@@ -128,7 +128,7 @@ typedef struct rbd_ik_result {
 /* Finds joint positions q within all limits for which all targets are reached; if there are none that it
    finds, those that minimise the sum of weight (metres^2 + length^2 radians^2), at least locally.
    w         what rbd_kinematics left there is replaced: call it anew before calls that read it
-   targets   n of them, n at least 1; those of one body may stand together, such as a point and an axis
+   targets   n of them, n at least 1; a body may have several, such as a point and an axis
    options   NULL: all defaults
    memory    size bytes of any alignment, scratch: RBD_IK_SIZE
    q         nq: where to begin, such as where the robot is; then the answer. Joints that move no target, and
@@ -139,8 +139,8 @@ typedef struct rbd_ik_result {
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
    below 1 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
    of a robot without mass; _MASSLESS, that of a robot some of whose joints move none; _RANGE, a weight, an
-   option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each start
-   overflow. */
+   option or q; _INFEASIBLE, some dofs of a joint are held, not all; _NAN, q is not finite, or the errors at
+   each start overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);
@@ -303,19 +303,13 @@ typedef struct rbdi_ik {
 RBDI_CODE_BEGIN
 
 /* ==== src/ik/step.h ==== */
-/* Interface: rbdi_ik_copy, rbdi_ik_larger, rbdi_ik_smaller */
+/* Interface: rbdi_ik_copy */
 
 /* ---- step [step] ---- */
 
 RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
 }
-
-/* The larger of two. */
-RBDI_INLINE rbd_real rbdi_ik_larger(rbd_real a, rbd_real b) { return a < b ? b : a; }
-
-/* The smaller of two. */
-RBDI_INLINE rbd_real rbdi_ik_smaller(rbd_real a, rbd_real b) { return a < b ? a : b; }
 
 /* Where row i of a packed upper triangle of n rows begins: with its diagonal entry. */
 RBDI_INLINE ptrdiff_t rbdi_ik_row(int n, int i) { return (ptrdiff_t)i * (2 * n - i + 1) / 2; }
@@ -389,7 +383,7 @@ RBDI_LOCAL int rbdi_ik_solve(rbdi_ik *ik, int n, rbd_real least) {
     /* A_ij = A_ij - A_ci A_cj / D_c, and so x */
     for (int c = 0; c < n; ++c) {
         rbd_real *to = row + n - c;
-        const rbd_real inverse = RBD_C(1) / rbdi_ik_larger(row[0], least);
+        const rbd_real inverse = RBD_C(1) / rbdi_larger(row[0], least);
 
         if (!(row[0] > 0)) definite = 0;
         row[0] = inverse;
@@ -464,7 +458,7 @@ RBDI_LOCAL int rbdi_ik_step(rbdi_ik *ik, rbd_real damping, rbd_real least) {
 RBDI_LOCAL rbd_real rbdi_ik_share(const rbdi_ik *ik) {
     rbd_real most = rbdi_set(RBDI_IK_TURN);
     for (int i = 0; i < ik->dofs; ++i)
-        if (ik->dof[i].turns) most = rbdi_ik_larger(most, rbdi_abs(ik->d[i]));
+        if (ik->dof[i].turns) most = rbdi_larger(most, rbdi_abs(ik->d[i]));
     return RBDI_IK_TURN / most;
 }
 
@@ -627,14 +621,14 @@ RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *ik, const rbd_real *q) {
         if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
             const rbdi_v3 turn = rbdi_ik_wanted_turn(ik, t);
             const rbd_real angle = rbdi_ik_append(ik, &row, factor * ik->options.length, turn);
-            ik->result->radians = rbdi_ik_larger(ik->result->radians, angle);
+            ik->result->radians = rbdi_larger(ik->result->radians, angle);
         }
 
         if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) {
             const rbdi_v3 at = t->kind == RBD_IK_COM ? rbdi_ik_com(ik)
                                                      : rbdi_point_position(ik->m, ik->w, t->body, t->point);
             const rbd_real distance = rbdi_ik_append(ik, &row, factor, rbdi_ik_way(t->position, at));
-            ik->result->metres = rbdi_ik_larger(ik->result->metres, distance);
+            ik->result->metres = rbdi_larger(ik->result->metres, distance);
         }
     }
 }
@@ -741,8 +735,8 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *ik) {
        w' (n n' + c (1 - n n')) w / 2            c = (a/2) cot(a/2)
 
    because rotations are unit quaternions, on whose sphere angles are half as large, and on a unit sphere half
-   the square of a distance x has the second derivative 1 along the way and x cot x across it. A direction s is
-   a point of the unit sphere itself, and a turn about s does not change it:
+   the square of a distance x has the second derivative 1 along the way and x cot x across it. A direction s
+   is a point of the unit sphere itself, and a turn about s does not change it:
 
        w' (n n' + c (1 - n n' - s s')) w / 2     c = a cot a
 
@@ -962,7 +956,7 @@ RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *ik, const rbdi_ik_dof *f) {
 
     for (int j = 0; j < rbdi_mimics(ik->m); ++j)
         if (ik->m->mimic[j].source_v == f->dof)
-            least = rbdi_ik_smaller(least, rbdi_abs(rbdi_set(ik->m->mimic[j].ratio)));
+            least = rbdi_smaller(least, rbdi_abs(rbdi_set(ik->m->mimic[j].ratio)));
 
     if (f->turns && most * pitch < slide && pitch > 0) most = slide / pitch;
     return most < RBDI_IK_MOST * least ? most / least : rbdi_set(RBDI_IK_MOST);
@@ -975,8 +969,8 @@ RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *ik, const rbdi_ik_dof *f, rbd_re
     rbd_real lower = f->lower, upper = f->upper;
 
     if (upper - lower > most + most) {
-        lower = rbdi_ik_larger(lower, q - most);
-        upper = rbdi_ik_smaller(upper, q + most);
+        lower = rbdi_larger(lower, q - most);
+        upper = rbdi_smaller(upper, q + most);
     }
 
     return lower + share * (upper - lower) - q;
@@ -1067,7 +1061,7 @@ RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *ik) {
    (Nielsen 1999): 1 at a half. */
 RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
     const rbd_real x = share + share - RBD_C(1);
-    const rbd_real factor = rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
+    const rbd_real factor = rbdi_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
     return factor < 2 ? factor : rbdi_set(RBD_C(2));
 }
 
@@ -1165,17 +1159,17 @@ RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *ik) {
     rbdi_ik_errors(ik, ik->q);
     rbdi_ik_jacobian(ik);
     rbdi_ik_normal(ik);
-    for (int i = 0; i < ik->dofs; ++i) longest = rbdi_ik_larger(longest, ik->H[rbdi_ik_row(ik->dofs, i)]);
+    for (int i = 0; i < ik->dofs; ++i) longest = rbdi_larger(longest, ik->H[rbdi_ik_row(ik->dofs, i)]);
     size = rbdi_sqrt(longest * ik->cost);
 
     for (int i = 0; i < ik->dofs; ++i) {
         const rbd_real slope = rbdi_abs(ik->g[i]);
         if (!rbdi_ik_pressed(ik, i)) {
-            left = rbdi_ik_larger(left, slope);
+            left = rbdi_larger(left, slope);
         } else if (slope > RBDI_IK_PRESSED * size) {
             ++ik->result->limits;
             if (slope > most) ik->result->limit = ik->dof[i].dof;
-            most = rbdi_ik_larger(most, slope);
+            most = rbdi_larger(most, slope);
         }
     }
 
@@ -1280,7 +1274,7 @@ RBDI_LOCAL rbd_status rbdi_ik_check_held(const rbd_model *m, const unsigned char
 
 RBDI_LOCAL rbd_status rbdi_ik_check_q(const rbd_model *m, const rbd_real *q, rbd_ik_result *result) {
     for (int i = 0; i < m->nq; ++i) {
-        if (!(q[i] - q[i] <= 0)) return rbdi_ik_refuse(result, RBD_ERR_NAN, -1, "q");
+        if (!rbdi_is_finite(q[i])) return rbdi_ik_refuse(result, RBD_ERR_NAN, -1, "q");
         if (rbdi_abs(q[i]) > RBDI_IK_MOST) return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "q");
     }
     return RBD_OK;

@@ -55,8 +55,8 @@ RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rb
     return s;
 }
 
-/* K becomes X' (K + rounding) X. The rounding of a change of frame is a share of the largest moment, and of the
-   largest mass. X' takes a wrench to the parent's frame: first each column of K, then each row. */
+/* K becomes X' (K + rounding) X. The rounding of a change of frame is a share of the largest moment, and of
+   the largest mass. X' takes a wrench to the parent's frame: first each column of K, then each row. */
 RBDI_COLD void rbdi_carry_up(const rbd_model *m, const rbd_work *w, int i, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
 

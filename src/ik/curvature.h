@@ -17,8 +17,8 @@
        w' (n n' + c (1 - n n')) w / 2            c = (a/2) cot(a/2)
 
    because rotations are unit quaternions, on whose sphere angles are half as large, and on a unit sphere half
-   the square of a distance x has the second derivative 1 along the way and x cot x across it. A direction s is
-   a point of the unit sphere itself, and a turn about s does not change it:
+   the square of a distance x has the second derivative 1 along the way and x cot x across it. A direction s
+   is a point of the unit sphere itself, and a turn about s does not change it:
 
        w' (n n' + c (1 - n n' - s s')) w / 2     c = a cot a
 

@@ -1,5 +1,6 @@
 #ifndef RBDI_IK_SEARCH_H
 #define RBDI_IK_SEARCH_H
+#include "ik/step.h"
 #include "ik/curvature.h"
 
 /* ---- search [search] ---- */
@@ -48,7 +49,7 @@ RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *ik, const rbdi_ik_dof *f) {
 
     for (int j = 0; j < rbdi_mimics(ik->m); ++j)
         if (ik->m->mimic[j].source_v == f->dof)
-            least = rbdi_ik_smaller(least, rbdi_abs(rbdi_set(ik->m->mimic[j].ratio)));
+            least = rbdi_smaller(least, rbdi_abs(rbdi_set(ik->m->mimic[j].ratio)));
 
     if (f->turns && most * pitch < slide && pitch > 0) most = slide / pitch;
     return most < RBDI_IK_MOST * least ? most / least : rbdi_set(RBDI_IK_MOST);
@@ -61,8 +62,8 @@ RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *ik, const rbdi_ik_dof *f, rbd_re
     rbd_real lower = f->lower, upper = f->upper;
 
     if (upper - lower > most + most) {
-        lower = rbdi_ik_larger(lower, q - most);
-        upper = rbdi_ik_smaller(upper, q + most);
+        lower = rbdi_larger(lower, q - most);
+        upper = rbdi_smaller(upper, q + most);
     }
 
     return lower + share * (upper - lower) - q;
@@ -153,7 +154,7 @@ RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *ik) {
    (Nielsen 1999): 1 at a half. */
 RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
     const rbd_real x = share + share - RBD_C(1);
-    const rbd_real factor = rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
+    const rbd_real factor = rbdi_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
     return factor < 2 ? factor : rbdi_set(RBD_C(2));
 }
 
@@ -251,17 +252,17 @@ RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *ik) {
     rbdi_ik_errors(ik, ik->q);
     rbdi_ik_jacobian(ik);
     rbdi_ik_normal(ik);
-    for (int i = 0; i < ik->dofs; ++i) longest = rbdi_ik_larger(longest, ik->H[rbdi_ik_row(ik->dofs, i)]);
+    for (int i = 0; i < ik->dofs; ++i) longest = rbdi_larger(longest, ik->H[rbdi_ik_row(ik->dofs, i)]);
     size = rbdi_sqrt(longest * ik->cost);
 
     for (int i = 0; i < ik->dofs; ++i) {
         const rbd_real slope = rbdi_abs(ik->g[i]);
         if (!rbdi_ik_pressed(ik, i)) {
-            left = rbdi_ik_larger(left, slope);
+            left = rbdi_larger(left, slope);
         } else if (slope > RBDI_IK_PRESSED * size) {
             ++ik->result->limits;
             if (slope > most) ik->result->limit = ik->dof[i].dof;
-            most = rbdi_ik_larger(most, slope);
+            most = rbdi_larger(most, slope);
         }
     }
 

@@ -3,19 +3,13 @@
 #include "motion/manifold.h"
 #include "ik/layout.h"
 
-/* Interface: rbdi_ik_copy, rbdi_ik_larger, rbdi_ik_smaller */
+/* Interface: rbdi_ik_copy */
 
 /* ---- step [step] ---- */
 
 RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
 }
-
-/* The larger of two. */
-RBDI_INLINE rbd_real rbdi_ik_larger(rbd_real a, rbd_real b) { return a < b ? b : a; }
-
-/* The smaller of two. */
-RBDI_INLINE rbd_real rbdi_ik_smaller(rbd_real a, rbd_real b) { return a < b ? a : b; }
 
 /* Where row i of a packed upper triangle of n rows begins: with its diagonal entry. */
 RBDI_INLINE ptrdiff_t rbdi_ik_row(int n, int i) { return (ptrdiff_t)i * (2 * n - i + 1) / 2; }
@@ -89,7 +83,7 @@ RBDI_LOCAL int rbdi_ik_solve(rbdi_ik *ik, int n, rbd_real least) {
     /* A_ij = A_ij - A_ci A_cj / D_c, and so x */
     for (int c = 0; c < n; ++c) {
         rbd_real *to = row + n - c;
-        const rbd_real inverse = RBD_C(1) / rbdi_ik_larger(row[0], least);
+        const rbd_real inverse = RBD_C(1) / rbdi_larger(row[0], least);
 
         if (!(row[0] > 0)) definite = 0;
         row[0] = inverse;
@@ -164,7 +158,7 @@ RBDI_LOCAL int rbdi_ik_step(rbdi_ik *ik, rbd_real damping, rbd_real least) {
 RBDI_LOCAL rbd_real rbdi_ik_share(const rbdi_ik *ik) {
     rbd_real most = rbdi_set(RBDI_IK_TURN);
     for (int i = 0; i < ik->dofs; ++i)
-        if (ik->dof[i].turns) most = rbdi_ik_larger(most, rbdi_abs(ik->d[i]));
+        if (ik->dof[i].turns) most = rbdi_larger(most, rbdi_abs(ik->d[i]));
     return RBDI_IK_TURN / most;
 }
 

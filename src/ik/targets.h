@@ -1,7 +1,7 @@
 #ifndef RBDI_IK_TARGETS_H
 #define RBDI_IK_TARGETS_H
 #include "motion/points.h"
-#include "ik/step.h"
+#include "ik/layout.h"
 
 /* Interface: rbdi_ik_across, rbdi_ik_axis, rbdi_ik_body_com, rbdi_ik_com_jacobian, rbdi_ik_part_across,
    rbdi_ik_turn, rbdi_ik_turn_to, rbdi_ik_unit, rbdi_ik_way */
@@ -129,14 +129,14 @@ RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *ik, const rbd_real *q) {
         if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
             const rbdi_v3 turn = rbdi_ik_wanted_turn(ik, t);
             const rbd_real angle = rbdi_ik_append(ik, &row, factor * ik->options.length, turn);
-            ik->result->radians = rbdi_ik_larger(ik->result->radians, angle);
+            ik->result->radians = rbdi_larger(ik->result->radians, angle);
         }
 
         if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) {
             const rbdi_v3 at = t->kind == RBD_IK_COM ? rbdi_ik_com(ik)
                                                      : rbdi_point_position(ik->m, ik->w, t->body, t->point);
             const rbd_real distance = rbdi_ik_append(ik, &row, factor, rbdi_ik_way(t->position, at));
-            ik->result->metres = rbdi_ik_larger(ik->result->metres, distance);
+            ik->result->metres = rbdi_larger(ik->result->metres, distance);
         }
     }
 }
