@@ -116,8 +116,8 @@ typedef struct rbdi_link_motion {
 struct rbdi_columns {
     rbdi_b3 ex, ey, ez; /* axes of the link */
     rbdi_b3 x;          /* its origin */
-    rbdi_bmotion S;     /* motion of the link for a unit velocity of the dof; of a free base constants, which
-                           rbd_energy_regressors alone replaces and writes anew: its frame has the world's axes */
+    rbdi_bmotion S;     /* motion of the link for a unit velocity of the dof. Of a free base constants: where
+                           rbd_energy_regressors alone needs others, it writes these anew at its end */
     rbdi_carried V;     /* velocity */
     rbdi_bmotion Psi;   /* rate of S, carried by the parent */
     rbdi_bmotion U;     /* acceleration for a unit velocity of the dof, which I multiplies in D */
