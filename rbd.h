@@ -3236,8 +3236,7 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
 
 /* Why a model's dynamics cannot be computed. */
 RBDI_COLD rbd_status rbdi_no_dynamics(const rbd_model *m, const rbd_work *w) {
-    const rbd_status status = rbdi_check(m, w, 1);
-    return status ? status : RBD_ERR_MASSLESS;
+    return rbdi_check(m, w, 1) ? RBD_ERR_WORK : RBD_ERR_MASSLESS;
 }
 
 /* rbdi_check of a call that needs masses. */
@@ -4278,7 +4277,8 @@ RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i
     return rbdi_rbi_zero();
 }
 
-/* The same with flags and stride that the compiler does not know. */
+/* The same with flags and stride that the compiler does not know: for models of more dofs than
+   RBDI_FIXED_STRIDE. */
 RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
                               rbdi_rbi *carried, rbd_real *H, rbd_real *M) {
     *carried = rbdi_crba_step(m, w, i, rbdi_flags(&m->link[i]), stride, *carried, H, M);
@@ -4342,10 +4342,14 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
 
 /* M packed, from the joints' transforms. */
 RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H) {
-    if (rbdi_mimics(m)) rbdi_clear(w->H, m->nh);
-    rbdi_crba(m, w, rbdi_mimics(m) ? w->H : H, NULL, 0);
-    if (rbdi_mimics(m)) rbdi_reduce_H(m, w->H);
-    for (int k = 0; rbdi_mimics(m) && k < m->nh; ++k) H[k] = w->H[k];
+    const int mimics = rbdi_mimics(m);
+
+    if (mimics) rbdi_clear(w->H, m->nh);
+    rbdi_crba(m, w, mimics ? w->H : H, NULL, 0);
+    if (!mimics) return;
+
+    rbdi_reduce_H(m, w->H);
+    for (int k = 0; k < m->nh; ++k) H[k] = w->H[k];
 }
 
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
@@ -5886,7 +5890,8 @@ RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, con
     const rbd_status status = rbdi_check(m, w, L && B && X);
     if (status) return status;
     if (n <= 0) return RBD_OK;
-    for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
+    if (X != B)
+        for (ptrdiff_t k = 0; k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
     rbdi_solve_columns(m, w, L, 1, n, n, X);
     return RBD_OK;
 }
@@ -6039,6 +6044,7 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     if (w->moving) rbdi_kin_states(m, w, 0, m->nl, v, a);
     rbdi_kin_links(m, w, 0, m->nl, v, w->moving);
 
+    /* kinetic energy of the rotors */
     *w->rotors = rbdi_zero();
     for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
         *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
@@ -6215,7 +6221,7 @@ RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w
 
 RBDI_API rbd_const rbd_mass(const rbd_model *m) {
     rbd_const mass = RBD_C(0);
-    for (int body = 0; m && body < m->nb; ++body)
+    for (int body = 0; body < rbd_nb(m); ++body)
         if (m->frame[body].link >= 0) mass += m->frame[body].mass;
     return mass;
 }
@@ -6791,8 +6797,9 @@ RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const r
     rbd_real sum = rbdi_zero();
     if (!m || !q0 || !q1 || !distance) return RBD_ERR_NULL;
 
-    for (int k = 0; weight && k < m->nv; ++k)
-        if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
+    if (weight)
+        for (int k = 0; k < m->nv; ++k)
+            if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
 
     /* the sum of weight_k d_k^2 */
     for (int b = 0; b < m->nb; ++b) {
@@ -7125,9 +7132,11 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     /* q_mid and v_mid, and K there */
     rbdi_move_joints(m, RBDI_CENTRES, q, v, v, half, q_next, v_next);
     rbd_crba_packed(m, w, q_next, w->H);
-    for (int k = 0; damping && k < m->nv; ++k) {
-        rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
-        *diagonal = *diagonal + dt * damping[k];
+    if (damping) {
+        for (int k = 0; k < m->nv; ++k) {
+            rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
+            *diagonal = *diagonal + dt * damping[k];
+        }
     }
 
     doubt = rbdi_factor(m, w, w->H);
@@ -7227,13 +7236,13 @@ RBDI_API int rbd_nq(const rbd_model *m) { return m ? m->nq : 0; }
 RBDI_API int rbd_nv(const rbd_model *m) { return m ? m->nv : 0; }
 
 RBDI_API int rbd_body_index(const rbd_model *m, const char *name) {
-    for (int b = 0; m && b < m->nb; ++b)
+    for (int b = 0; b < rbd_nb(m); ++b)
         if (rbdi_same(m->frame[b].name, name)) return b;
     return -1;
 }
 
 RBDI_API int rbd_joint_index(const rbd_model *m, const char *name) {
-    for (int b = 0; m && b < m->nb; ++b)
+    for (int b = 0; b < rbd_nb(m); ++b)
         if (rbdi_same(m->frame[b].joint, name)) return b;
     return -1;
 }
@@ -7885,8 +7894,9 @@ RBDI_LOCAL void rbdi_check_followers(const rbd_body *bodies, int nb, rbd_report 
     for (int i = 0; i < nb; ++i) {
         const rbd_body *b = &bodies[i];
         int contradicts = 0;
+        if (!b->mimic) continue;
 
-        for (int j = 0; b->mimic && j < nb; ++j) {
+        for (int j = 0; j < nb; ++j) {
             const int source = j != i && rbdi_same(bodies[j].joint, b->mimic);
             const int beside = j < i && rbdi_same(bodies[j].mimic, b->mimic);
             if (source || beside) contradicts |= rbdi_limits_contradict(b, &bodies[j]);

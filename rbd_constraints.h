@@ -1054,8 +1054,8 @@ RBDI_LOCAL void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, i
 
 /* P' X or, if `back`, P X. X: rows x columns. */
 RBDI_LOCAL void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns, int back) {
-    for (int t = 0; c->pivoted && t < c->rows; ++t)
-        rbdi_exchange(c, back ? c->rows - 1 - t : t, X, columns, columns, 1);
+    if (!c->pivoted) return;
+    for (int t = 0; t < c->rows; ++t) rbdi_exchange(c, back ? c->rows - 1 - t : t, X, columns, columns, 1);
 }
 
 /* c->square of the rows from t on: of column j of Z, after t reflections, the sum of Z_kj^2 from k = t on. */
@@ -1252,8 +1252,10 @@ RBDI_LOCAL void rbdi_check_rows(rbd_constraint_set *c) {
 
 /* The columns of X lose their components along the null vectors. X: rows x columns. */
 RBDI_LOCAL void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int columns) {
-    rbd_real *x = c->square;
-    for (int j = 0; c->pivoted && j < columns; ++j) {
+    rbd_real *x = c->square; /* one column */
+    if (!c->pivoted) return;
+
+    for (int j = 0; j < columns; ++j) {
         for (int i = 0; i < c->rows; ++i) x[i] = X[i * columns + j];
         rbdi_project(c, c->rows, x);
         for (int i = 0; i < c->rows; ++i) X[i * columns + j] = x[i];
@@ -1292,7 +1294,8 @@ RBDI_LOCAL rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint
         (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
         c->infeasible = -1;
     }
-    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
+    if (lambda)
+        for (int r = 0; r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
@@ -1593,7 +1596,8 @@ RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constra
     K[1] = K[3] * arm.z - K[5] * arm.x;
     K[2] = K[4] * arm.x - K[3] * arm.y;
 
-    for (int j = 0; con->angular && j < 3; ++j)
+    if (!con->angular) return;
+    for (int j = 0; j < 3; ++j)
         K[j] = K[j] + *(const rbdi_batch *)&h->axis[0][r] * axis[j].x +
                *(const rbdi_batch *)&h->axis[1][r] * axis[j].y +
                *(const rbdi_batch *)&h->axis[2][r] * axis[j].z;
@@ -1852,9 +1856,11 @@ RBDI_LOCAL int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, co
 
     /* the articulated bodies; in an impact without velocity products */
     rbdi_articulated_start(m, c, q, v, restitution ? none : w->gravity, c->moving || restitution);
-    for (int i = 0; restitution && i < m->nl; ++i) {
-        w->scratch[i].f = rbdi_force0();
-        w->scratch[i].c = rbdi_motion0();
+    if (restitution) {
+        for (int i = 0; i < m->nl; ++i) {
+            w->scratch[i].f = rbdi_force0();
+            w->scratch[i].c = rbdi_motion0();
+        }
     }
     rbdi_external(m, w, f_ext);
     if (rbdi_any(rbdi_aba_pass2(m, w, tau))) return 0;
@@ -1989,7 +1995,8 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
 
     rbdi_constraint_rows_at(m, c, q, v, e != NULL);
     for (int r = 0; r < c->rows; ++r) {
-        for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
+        if (J)
+            for (int k = 0; k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
         if (gamma) gamma[r] = c->gamma[r];
         if (e) e[r] = c->e[r];
     }
@@ -2017,9 +2024,10 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
 
 /* Whether n weights are 0, or from RBDI_LEAST_WEIGHT to RBDI_MOST_WEIGHT. NULL: all are 1. */
 RBDI_LOCAL int rbdi_weights_fit(const rbd_const *weight, int n) {
-    for (int k = 0; weight && k < n; ++k) {
-        const int none = weight[k] >= 0 && weight[k] <= 0;
+    if (!weight) return 1;
 
+    for (int k = 0; k < n; ++k) {
+        const int none = weight[k] >= 0 && weight[k] <= 0;
         if (!none && !(weight[k] >= RBDI_LEAST_WEIGHT && weight[k] <= RBDI_MOST_WEIGHT)) return 0;
     }
     return 1;
@@ -2028,7 +2036,9 @@ RBDI_LOCAL int rbdi_weights_fit(const rbd_const *weight, int n) {
 /* The weight that stands for 0: the share RBDI_FREE of the least of the others. */
 RBDI_LOCAL rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
     rbd_const least = 0;
-    for (int k = 0; weight && k < n; ++k)
+    if (!weight) return RBD_C(1);
+
+    for (int k = 0; k < n; ++k)
         if (weight[k] > 0 && !(least > 0 && least < weight[k])) least = weight[k];
     return least > 0 ? least * RBDI_FREE : RBD_C(1);
 }
@@ -2073,7 +2083,8 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
     /* tau - J' lambda */
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
-    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * root[r];
+    if (lambda)
+        for (int r = 0; r < c->rows; ++r) lambda[r] = c->lambda[r] * root[r];
 
     c->infeasible = -1; /* least squares always have a solution */
     return RBD_OK;
@@ -2265,9 +2276,14 @@ RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint) {
 
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c) {
     rbd_real rank = rbdi_zero();
-    int least = c ? c->rows : 0;
-    for (int r = 0; c && r < c->rows; ++r)
+    int least;
+    if (!c) return 0;
+
+    for (int r = 0; r < c->rows; ++r)
         rank = rank + rbdi_select(rbdi_dropped(c, r), rbdi_zero(), rbdi_set(RBD_C(1)));
+
+    /* of lanes the least */
+    least = c->rows;
     while (least > 0 && rbdi_any(rbdi_less(rank, rbdi_set(RBD_C(least))))) --least;
     return least;
 }
@@ -3040,11 +3056,13 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
 
     /* by tau, rho = -1 */
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
-    for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
+    if (to.da_dtau)
+        for (int k = 0; k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
 
     solved = rbdi_constrained_slopes(m, c, solved, of_a, of_lambda);
 
-    for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
+    if (to.a)
+        for (int k = 0; k < nv; ++k) to.a[k] = d->a[k];
     return solved;
 }
 

@@ -1058,11 +1058,14 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
         largest = size;
     }
 
-    for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
-        const rbd_real old = own[j];
-        own[j] = best[j];
-        best[j] = old;
+    if (best != own) {
+        for (int j = k; j < s->unknowns + s->sides; ++j) {
+            const rbd_real old = own[j];
+            own[j] = best[j];
+            best[j] = old;
+        }
     }
+
     return largest > 0;
 }
 
@@ -1184,7 +1187,10 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
 
     for (int i = rbdi_full_step(s, proximal) ? 0 : 4; i < 4; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
-        for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->full[r] - s->start[r]) * share;
+
+        if (i > 0) { /* p is the full step already */
+            for (int r = 0; r < s->rows; ++r) s->p[r] = s->start[r] + (s->full[r] - s->start[r]) * share;
+        }
         (void)rbdi_into_cones(s, 0);
         rbdi_contact_residual(s);
         if (s->solution.residual < before * gain[i]) return 1;
@@ -1236,6 +1242,7 @@ RBDI_PART void rbdi_set_impulses(rbdi_contact_solver *s, const rbd_real *p) {
    that jam would get impulses in whose rounding the velocities are lost. */
 RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
     rbd_real least;
+
     rbdi_clear(s->start, s->rows);
     rbdi_set_impulses(s, s->start);
     least = s->solution.residual / 2;
@@ -1250,9 +1257,11 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     const rbd_const proximal[3] = RBDI_PROXIMAL;
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
     int sweeps = 2;
+
     s->solution.sweeps = s->solution.newton_steps = 0;
     s->solution.residual = rbdi_zero();
     if (s->rows == 0) return;
+
     rbdi_clear(s->best, s->rows);
 
     rbdi_contact_velocities(s);
@@ -1271,6 +1280,7 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
             return;
         }
 
+        /* a Newton step with each proximal weight, or sweeps if none reduces the residual */
         while (tried < 3 && !rbdi_newton_step(s, proximal[tried])) ++tried;
         ++s->solution.newton_steps;
         if (tried < 3) continue;
@@ -1374,7 +1384,8 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
     rbdi_contact_begin(&s, problem, p);
     rbdi_contact_iterate(&s);
 
-    for (int i = 0; state && i < problem->contacts; ++i) state[i] = s.law[i].state;
+    if (state)
+        for (int i = 0; i < problem->contacts; ++i) state[i] = s.law[i].state;
     if (solution) *solution = s.solution;
     return RBD_OK;
 }
@@ -1458,9 +1469,12 @@ RBDI_LOCAL void rbdi_begin_bounded(rbdi_bounded_row *row) {
 /* Lists the dofs that have dry friction, or counts them; NULL: counts. */
 RBDI_LOCAL int rbdi_list_frictions(const rbd_model *m, const rbd_contact_options *o, rbdi_bounded_row *row) {
     int n = 0;
-    for (int k = 0; o->joint_friction && k < m->nv; ++k) {
+    if (!o->joint_friction) return 0;
+
+    for (int k = 0; k < m->nv; ++k) {
         const rbd_const friction = rbdi_joint_friction(m, k);
         if (!(friction > 0)) continue;
+
         if (row) {
             rbdi_begin_bounded(&row[n]);
             row[n].law.dofs = 1;
@@ -1735,8 +1749,9 @@ RBDI_LOCAL int rbdi_limits_of_joint(const rbd_model *m, const rbdi_frame *u, rbd
 /* Lists the limits of all joints of one dof; NULL: counts them. */
 RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbd_contact_options *o, rbdi_limit_row *row) {
     int n = 0;
-    for (int b = 0; o->joint_limits && b < m->nb; ++b)
-        if (m->frame[b].nv == 1) n += rbdi_limits_of_joint(m, &m->frame[b], row ? &row[n] : NULL);
+    if (o->joint_limits)
+        for (int b = 0; b < m->nb; ++b)
+            if (m->frame[b].nv == 1) n += rbdi_limits_of_joint(m, &m->frame[b], row ? &row[n] : NULL);
     return n;
 }
 
@@ -2341,8 +2356,12 @@ RBDI_LOCAL void rbdi_find_rebounds(rbd_contact_set *c) {
         any |= contact->rebounds;
     }
 
-    for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact)
-        if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap)) contact->rebounds = 1;
+    if (any) {
+        for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
+            if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap))
+                contact->rebounds = 1;
+    }
+
     for (rbdi_limit_row *limit = c->limit; limit < c->limit + c->limits; ++limit)
         limit->rebounds = any && limit->row >= 0 && rbdi_leaves(c, &limit->gap);
 }
@@ -2608,18 +2627,22 @@ RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, 
     rbdi_vector_transposed(m, w, w->H, x);
 }
 
-/* Adds dt damping, and the caller's matrix, to M, and factors it. */
+/* Adds the caller's matrix and the damping to M, and factors the sum. Returns whether a pivot is in doubt. */
 RBDI_LOCAL rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
-    for (int k = 0; c->added && k < m->nh; ++k) w->H[k] = w->H[k] + c->added[k];
+
+    /* K = M + A + dt d */
+    if (c->added)
+        for (int k = 0; k < m->nh; ++k) w->H[k] = w->H[k] + c->added[k];
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         c->damping[k] = damping ? damping[k] : rbdi_zero();
         if (c->options.joint_damping) c->damping[k] = c->damping[k] + rbdi_joint_damping(m, k);
         *diagonal = *diagonal + c->dt * c->damping[k];
     }
+
     doubt = rbdi_factor(m, w, w->H);
     for (int k = 0; k < m->nv; ++k) s->D_inverse[k] = w->H[m->dof[k].row + m->dof[k].depth];
     return doubt;
@@ -2717,7 +2740,7 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
    turns. Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
-    rbd_real *change = c->rows->x;
+    rbd_real *change = c->rows->x; /* of velocities, by the first correction */
     rbd_real changes = rbdi_zero();
     rbd_real speeds = c->solver.given.tolerance;
 
@@ -2752,20 +2775,23 @@ RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const
 
 /* Corrects again, if the first correction changed anything; solves with the biases of positions, and computes
    c->moved. Where neither correction nor biases changed anything, the first solution stays if it is good
-   enough. Its impulses are kept in c->early. */
+   enough. c->early keeps the impulses of the first solution for rbdi_solve_apart. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext, int changed) {
     const rbd_contact_solution first = c->solver.solution;
     const rbd_constraint_set *s = c->rows;
-    if (changed)
+
+    if (changed) {
         rbdi_correct_again(m, c, tau, f_ext);
-    else
+    } else {
         for (int k = 0; k < m->nv; ++k) c->x[RBDI_X_CORRECTED_TWICE][k] = c->x[RBDI_X_CORRECTED][k];
+    }
 
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
     for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
     changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS) > 0;
+
     if (changed || !(first.residual <= c->solver.given.tolerance)) {
         rbdi_contact_iterate(&c->solver);
         c->solver.solution.sweeps += first.sweeps;
@@ -2805,6 +2831,7 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
 RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
     const rbd_constraint_set *s = c->rows;
     const rbd_real inverse = 1 / c->dt;
+
     c->last_dt = c->dt;
     rbdi_clear(c->impulse, c->max_rows);
     for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
@@ -2833,12 +2860,15 @@ RBDI_LOCAL void rbdi_solve_apart(const rbd_model *m, rbd_contact_set *c, rbd_rea
     const rbd_contact_solution first = c->solver.solution;
     const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
 
-    for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
+    if (again)
+        for (int r = 0; r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
+
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->half > 0 ? c->x[RBDI_X_CORRECTED_TWICE] : c->x[RBDI_X_UNCORRECTED], c->nu);
 
     c->jams = again && first.residual > RBDI_JAMS * asked;
-    for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
+    if (c->jams)
+        for (int k = 0; k < m->nv; ++k) c->moved[k] = c->nu[k];
 
     c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
     c->solver.solution.sweeps += first.sweeps;
@@ -2851,6 +2881,7 @@ RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set 
     int finite = rbdi_all_finite(c->b, c->rows->rows) && rbdi_all_finite(c->q_mid, m->nq);
     rbd_real asked;
 
+    /* nu is c->moved, unless biases differ */
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     asked = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
@@ -2904,6 +2935,7 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     int flies;
     if (status) return status;
+
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
 
@@ -2919,8 +2951,11 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
                                    const rbd_real *damping, rbd_real dt, rbd_real *a) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
+
     rbdi_choose_scheme(c, dt, 1);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
+
+    /* a = (nu - v_mid) / dt + a(at), by [straight moves] */
     for (int k = 0; k < m->nv; ++k) a[k] = (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
     if (!status && !rbdi_all_finite(a, m->nv)) status = RBD_ERR_NAN;
     if (status) rbdi_clear(a, m->nv);
@@ -2931,7 +2966,8 @@ RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_
                                            rbd_real force[3]) {
     const int there = c && i >= 0 && i < c->n;
     if (gap) *gap = there ? c->contact[i].gap.start : rbdi_zero();
-    for (int j = 0; force && j < 3; ++j) force[j] = there ? c->contact[i].force[j] : rbdi_zero();
+    if (force)
+        for (int j = 0; j < 3; ++j) force[j] = there ? c->contact[i].force[j] : rbdi_zero();
     return there ? c->contact[i].state : RBD_APART;
 }
 
@@ -2951,7 +2987,7 @@ RBDI_CODE_END
 
 RBDI_CODE_BEGIN
 
-/* ==== src/contact/derivatives.h ==== */
+/* ==== src/contact/rho.h ==== */
 /* ---- derivatives [step derivatives code] ----
    Derivatives of [step code], with the states of each solution held. x is a component of q_mid, v_mid or tau,
    a = (nu - v_mid) / dt + a(w), w = (v_mid + nu before) / 2, M without damping:
@@ -2966,13 +3002,9 @@ RBDI_CODE_BEGIN
 
        G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5)
 
-   Last, the half of the step before takes derivatives by q_mid and v_mid to those by q and v. */
+   Last, the half of the step before takes derivatives by q_mid and v_mid to those by q and v.
 
-/* Arrays for derivatives by q_mid, v_mid and tau, nv x nv each, in turns of one solution and the next.
-   NULL: not wanted. In the end: of c->moved and c->nu. */
-typedef struct rbdi_step_columns {
-    rbd_real *dq[3], *dv[3];
-} rbdi_step_columns;
+   This room has rho, contact/sigma.h has sigma, contact/derivatives.h solves for dnu. */
 
 /* Parts of the memory for derivatives, behind c->sigma: M, later G; two matrices; two for columns that the
    caller does not want; derivatives of J nu without impulses, a row for each contact, by three x. */
@@ -2986,10 +3018,16 @@ RBDI_LOCAL void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_der
                                  const rbd_real *nu, const rbd_real *f_ext, rbd_real *Q, rbd_real *B,
                                  rbd_real *M) {
     const int size = m->nv * m->nv;
+
+    /* a = (nu - v_mid) / dt + a(w) */
     rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     for (int k = 0; k < m->nv; ++k) d->a[k] = (nu[k] - c->v_mid[k]) / c->dt + c->straight[k];
     if (Q) rbdi_clear(Q, size); /* rbd_keep_zeros leaves entries out */
-    if (B) rbdi_clear(B, size), rbdi_clear(M, size);
+    if (B) {
+        rbdi_clear(B, size);
+        rbdi_clear(M, size);
+    }
+
     (void)rbd_id_derivatives(m, d, c->q_mid, c->at, d->a, f_ext, Q, B, M);
     if (Q) rbdi_multiply(Q, c->dt, size);
 }
@@ -3012,21 +3050,31 @@ RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivat
     const rbd_real half = rbdi_set(RBD_C(0.5));
     const int n = m->nv;
     rbd_real *M = rbdi_side(m, c, 0), *B = rbdi_side(m, c, 1), *Q = rho[0] ? rbdi_side(m, c, 2) : NULL;
+
     rbdi_write_sides(m, c, d, nu, f_ext, Q, B, M);
+
+    /* by v_mid -M - A of a and the caller's matrix, by tau -dt */
     for (int k = 0; k < n * n; ++k) {
         B[k] = B[k] * c->dt + M[k];
         if (rho[1]) rho[1][k] = rho[1][k] - M[k];
         if (rho[2] && k % (n + 1) == 0) rho[2][k] = rho[2][k] - c->dt;
     }
     if (c->added && rho[1]) rbdi_subtract_packed(m, c->added, rho[1]);
+
+    /* B = dt dID/dw with a(w), by v_mid and, with the solution before, by w = (v_mid + nu) / 2 */
     rbdi_unforced_columns(m, c->points, c->at, c->dt, n, M);
     for (int k = 0; k < n * n; ++k) {
         B[k] = last ? (B[k] - M[k]) * half : B[k] - M[k];
         if (rho[1]) rho[1][k] = rho[1][k] + B[k];
     }
+    if (!last) return;
+
+    /* rho += B dnu */
     rbdi_multiply(B, -rbdi_set(RBD_C(1)), n * n);
-    for (int x = 0; last && x < 3; ++x)
-        for (int k = 0; rho[x] && k < n; ++k) rbdi_subtract_product(&B[k * n], last[x], n, n, &rho[x][k * n]);
+    for (int x = 0; x < 3; ++x) {
+        if (!rho[x]) continue;
+        for (int k = 0; k < n; ++k) rbdi_subtract_product(&B[k * n], last[x], n, n, &rho[x][k * n]);
+    }
 }
 
 /* The same in place of what was there. */
@@ -3041,6 +3089,9 @@ RBDI_LOCAL void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_deriv
 RBDI_LOCAL void rbdi_add_side(const rbd_model *m, const rbd_contact_set *c, rbd_real *const rho[3]) {
     if (rho[0]) rbdi_subtract(rho[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), m->nv * m->nv);
 }
+
+/* ==== src/contact/sigma.h ==== */
+/* -- sigma of [step derivatives code] -- */
 
 /* Factors of a row in sigma: of derivatives of J nu and, of the middle of the step, of the gap or error, its
    rate and its gamma. */
@@ -3079,32 +3130,40 @@ RBDI_LOCAL void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd
                                const rbdi_row_factors *f, int x) {
     for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
         const rbdi_link *l = &m->link[walk.link];
+
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, pair, walk.side, walk.link, j);
             rbd_real sum[3][RBDI_SIX_ROWS], *to = &c->sigma[con->row * m->nv + rbdi_source(m, l->iv + j)];
             rbdi_motion velocity, rate;
+
             rbdi_store_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH, by.S);
             rbdi_roll_rates(pair, &by);
             velocity = x == 0 ? by.velocity_q : by.S;
             rate = x == 0 ? by.rate_q : by.rate_v;
+
+            /* of J nu, of the gap or error, and of gamma */
             rbdi_clear(sum[0], 3 * RBDI_SIX_ROWS);
             rbdi_add_held(con, &pair->h, velocity.omega, velocity.v, sum[0]);
             rbdi_add_held(con, &pair->h, rbdi_differentiate_error(con, pair, by.S.omega), by.S.v, sum[1]);
             rbdi_add_held(con, &pair->h, rate.omega, rate.v, sum[2]);
+
             for (int r = 0; r < con->rows; ++r, to += m->nv)
                 *to = *to + f->velocity[r] * sum[0][r] + f->gap[r] * sum[1][r] + f->rate[r] * sum[2][r];
         }
     }
 }
 
+/* Motion of constraint i's two bodies; of a contact with the place that rolls over them. */
 RBDI_LOCAL rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
     const rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_pair_motion pair = rbdi_pair_motion_of(c->rows, con);
+
     if (i < c->n) {
         const rbdi_v3 normal = rbdi_contact_normal(c->rows, con);
         pair.roll_radius = rbdi_scale(c->contact[i].below, normal);
         if (c->contact[i].on_plane) pair.normal = normal;
     }
+
     return pair;
 }
 
@@ -3119,18 +3178,21 @@ RBDI_LOCAL void rbdi_velocity_terms(const rbd_model *m, rbd_contact_set *c, cons
                                     const rbd_real *nu, int purpose, rbd_real *rho) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_constraint_set *s = c->rows;
+
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
     for (int i = 0; i < s->n; ++i) {
         const rbdi_constraint *con = &s->constraint[i];
         rbdi_row_factors f;
         rbdi_pair_motion pair;
         if (con->row < 0) continue;
+
         for (int r = 0; r < con->rows; ++r) {
             const rbdi_bias bias = rbdi_bias_of(c, i, purpose, r);
             f.velocity[r] = rbdi_set(RBD_C(1));
             f.rate[r] = rbdi_zero();
             f.gap[r] = bias.by_start + bias.by_reach;
         }
+
         pair = rbdi_contact_pair(c, i);
         rbdi_row_terms(m, c, d, con, &pair, &f, 0);
         rbdi_differentiate_forces(m, d, con, &pair, rho);
@@ -3144,15 +3206,19 @@ RBDI_LOCAL void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const 
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbd_real half = c->half;
     rbd_constraint_set *s = c->rows;
+
     rbdi_straight_acceleration(m, c->points, c->v_mid, c->straight);
     rbdi_constraint_state(m, s, rbdi_expand_v(m, c->v_mid, s->w->vx), rbdi_expand_v(m, c->straight, s->w->ax),
                           none, 0);
-    for (int pass = x == 0; pass < 2; ++pass) { /* 0: -J, which becomes -J - J dW/dv */
+
+    /* pass 0, by v_mid alone: -J, which becomes -J - J dW/dv; pass 1: the rest */
+    for (int pass = x == 0; pass < 2; ++pass) {
         for (int i = 0; i < s->n; ++i) {
             const rbdi_constraint *con = &s->constraint[i];
             rbdi_row_factors f;
             rbdi_pair_motion pair;
             if (con->row < 0) continue;
+
             for (int r = 0; r < con->rows; ++r) {
                 const rbdi_bias bias = rbdi_bias_of(c, i, purpose, r);
                 const rbd_real gamma = half + half * half / 2 * (bias.by_start - bias.by_reach) -
@@ -3162,9 +3228,11 @@ RBDI_LOCAL void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const 
                 f.velocity[r] = pass ? bias.by_rate - half * bias.by_start - bias.by_falls : -gamma;
                 if (pass && x == 1) f.velocity[r] = f.velocity[r] + gamma;
             }
+
             pair = rbdi_contact_pair(c, i);
             rbdi_row_terms(m, c, d, con, &pair, &f, x);
         }
+
         if (pass == 0) rbdi_unforced_columns(m, c->points, c->v_mid, rbdi_set(RBD_C(1)), s->rows, c->sigma);
     }
 }
@@ -3179,13 +3247,17 @@ RBDI_LOCAL void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const r
                                  rbd_real *const dnu[3]) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_constraint_set *s = c->rows;
+
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
     for (int i = 0; i < c->n; ++i) {
         const rbdi_constraint *con = &s->constraint[i];
         rbdi_pair_motion pair;
         if (con->row < 0 || !(c->contact[i].restitution > 0)) continue;
+
         pair = rbdi_contact_pair(c, i);
         for (int x = 0; x < 3; ++x) rbdi_clear(rbdi_fall_columns(m, c, i, x), m->nv);
+
+        /* each dof k: n . d(J nu)/dq_k, and n . J_k dnu_k/dx */
         for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
             for (int j = 0; j < rbdi_link_dofs(m, &m->link[walk.link]); ++j) {
                 const rbdi_motion_derivatives by =
@@ -3193,6 +3265,7 @@ RBDI_LOCAL void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const r
                 const int k = rbdi_source(m, m->link[walk.link].iv + j);
                 const rbdi_v3 normal = rbdi_contact_normal(s, con);
                 rbd_real *own = &rbdi_fall_columns(m, c, i, 0)[k];
+
                 *own = *own + rbdi_dot(normal, by.velocity_q.v);
                 for (int x = 0; x < 3; ++x)
                     if (dnu[x])
@@ -3209,24 +3282,39 @@ RBDI_LOCAL void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int pur
         const rbdi_contact *contact = &c->contact[i];
         rbd_real by_falls;
         if (contact->row < 0 || !contact->rebounds) continue;
+
         by_falls = rbdi_rebound_bias(c, contact).by_falls;
         if (by_falls > 0)
             rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -by_falls, rbdi_fall_columns(m, c, i, x),
                           m->nv);
     }
-    for (const rbdi_limit_row *limit = c->limit; x < 2 && limit < c->limit + c->limits; ++limit) {
+    if (x == 2) return;
+
+    for (const rbdi_limit_row *limit = c->limit; limit < c->limit + c->limits; ++limit) {
         rbdi_bias bias;
         if (limit->row < 0) continue;
+
         bias = rbdi_limit_bias(c, purpose, limit);
         c->sigma[limit->row * m->nv + limit->dof] =
             limit->side * (x == 0 ? bias.by_start + bias.by_reach : bias.by_rate - c->half * bias.by_start);
     }
-    for (const rbdi_bounded_row *row = c->bound; x == 1 && row < c->bound + c->bounds; ++row) {
+    if (x == 0) return;
+
+    for (const rbdi_bounded_row *row = c->bound; row < c->bound + c->bounds; ++row) {
         if (row->row < 0 || !(rbdi_abs(row->turn) > 0)) continue;
         for (int j = 0; j < row->law.dofs; ++j)
             c->sigma[row->row * m->nv + row->law.dof[j]] = row->law.jacobian[j];
     }
 }
+
+/* ==== src/contact/derivatives.h ==== */
+/* -- dnu of [step derivatives code] -- */
+
+/* Arrays for derivatives by q_mid, v_mid and tau, nv x nv each, in turns of one solution and the next.
+   NULL: not wanted. In the end: of c->moved and c->nu. */
+typedef struct rbdi_step_columns {
+    rbd_real *dq[3], *dv[3];
+} rbdi_step_columns;
 
 /* Replaces rho by dnu of (5). Returns 0 if the impulses have no derivative. */
 RBDI_LOCAL int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
@@ -3234,11 +3322,15 @@ RBDI_LOCAL int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rb
     rbdi_contact_solver solver = c->solver;
     const int n = m->nv;
     int solved;
+
+    /* Z = L^-T rho, in place, and sigma - Y' D^-1 Z */
     rbdi_solve_transposed(m, s->w, s->w->H, n, n, rho);
     for (int r = 0; r < s->rows; ++r) {
         for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
     }
+
+    /* G y = -T' (...),  dp = S y */
     solver.G = c->sigma + c->max_rows * n;
     solver.sides = n;
     rbdi_list_unknowns(&solver);
@@ -3246,6 +3338,8 @@ RBDI_LOCAL int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rb
     solved = rbdi_newton_solve(&solver);
     rbdi_clear(c->sigma, s->rows * n);
     rbdi_add_increments(&solver, c->sigma);
+
+    /* dnu = -L^-1 D^-1 (Z - Y dp) */
     for (int k = 0; k < n; ++k)
         rbdi_subtract_product(&s->Y[k * s->stride], c->sigma, s->rows, n, &rho[k * n]);
     rbdi_solve_forward(m, s->w, s->w->H, -1, n, n, rho);
@@ -3257,9 +3351,11 @@ RBDI_LOCAL int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rb
 RBDI_LOCAL int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                            const rbd_real *nu, int purpose, rbd_real *const rho[3]) {
     int solved = 1;
+
     rbdi_add_side(m, c, rho);
     for (int x = 0; x < 3; ++x) {
         if (!rho[x]) continue;
+
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
         if (x < 2) rbdi_middle_terms(m, c, d, purpose, x);
         if (x == 0) rbdi_velocity_terms(m, c, d, nu, purpose, rho[0]);
@@ -3271,7 +3367,8 @@ RBDI_LOCAL int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *
 
 RBDI_LOCAL void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_real *const to[3]) {
     for (int x = 0; x < 3; ++x)
-        for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
+        if (from[x])
+            for (int k = 0; k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
 }
 
 /* Solves for the corrections of the velocity terms. to->dq: rho of the first solution. to->dv becomes dnu
@@ -3286,12 +3383,15 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
     const int size = m->nv * m->nv;
     rbd_work *w = c->rows->w;
     int solved, changed;
+
+    /* dv = -rho_0,  dq = dnu_0 */
     rbdi_copy_columns(m, to->dq, to->dv);
     rbdi_add_side(m, c, to->dv);
     for (int x = 0; x < 3; ++x)
         if (to->dv[x]) rbdi_multiply(to->dv[x], -rbdi_set(RBD_C(1)), size);
     solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dq);
 
+    /* dv = dnu_1 = dnu_0 - K^-1 (rho_1 - rho_0) */
     changed = rbdi_solve_between(m, c, tau, f_ext);
     rbdi_add_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
     rbdi_add_side(m, c, to->dv);
@@ -3300,6 +3400,7 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
         rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, to->dv[x]);
         rbdi_subtract(to->dv[x], -rbdi_set(RBD_C(1)), to->dq[x], size);
     }
+
     rbdi_solve_again(m, c, tau, f_ext, changed);
     return solved;
 }
@@ -3310,12 +3411,16 @@ RBDI_LOCAL void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c,
     rbd_work *w = c->rows->w;
     rbd_real *nu = c->rows->x;
     int any = 0;
+
     for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
     if (!any) return;
 
+    /* nu = v_mid + L^-1 D^-1 x */
     for (int k = 0; k < m->nv; ++k) nu[k] = c->x[RBDI_X_UNCORRECTED][k];
     rbdi_solve_forward(m, w, w->H, 1, 1, 1, nu);
     for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
+
+    /* dnu = -K^-1 rho */
     rbdi_write_rho(m, c, d, nu, f_ext, NULL, dnu);
     rbdi_add_side(m, c, dnu);
     for (int x = 0; x < 3; ++x)
@@ -3329,6 +3434,8 @@ RBDI_LOCAL int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, r
                                        const rbdi_step_columns *to, rbd_status *status) {
     const int first_order = !(c->half > 0);
     int solved = 1, positions, velocities;
+
+    /* the first solution, and the corrections */
     rbdi_differentiate_falls(m, c, d, f_ext, to->dq);
     rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
     rbdi_write_rho(m, c, d, c->moved, f_ext, NULL, to->dq);
@@ -3337,13 +3444,17 @@ RBDI_LOCAL int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, r
         rbdi_write_rho(m, c, d, c->moved, f_ext, to->dv, to->dq);
     }
 
+    /* c->moved */
     rbdi_copy_columns(m, to->dq, to->dv);
     positions = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
+
+    /* c->nu; of a contact that jams c->moved too */
     *status = rbdi_solve_velocities(m, c);
     if (!c->differ) {
         rbdi_copy_columns(m, to->dq, to->dv);
         return solved & positions;
     }
+
     if (to->dv[0]) rbdi_write_sides(m, c, d, c->nu, f_ext, rbdi_side(m, c, 2), NULL, NULL);
     velocities = rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
     if (!c->jams) return solved & positions & velocities;
@@ -3362,34 +3473,45 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
                             {to.dv_next_dq, to.dv_next_dv, to.dv_next_dtau}};
     int pairs = !to.q_next == !to.v_next, solved = 1, size;
     rbd_status status;
+
     for (int x = 0; x < 3; ++x) pairs &= !by.dq[x] == !by.dv[x];
     status = rbdi_check_step(m, c, d && q && v && tau && out && pairs, dt);
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->rows->w) return RBD_ERR_WORK;
     if (!c->sigma) return RBD_ERR_MEMORY;
+
+    /* those by v need those by q */
     size = m->nv * m->nv;
     if (by.dq[1] && !by.dq[0]) {
         by.dq[0] = rbdi_side(m, c, 3);
         by.dv[0] = rbdi_side(m, c, 4);
     }
+
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);
-    for (int x = 0; x < 3 && !status; ++x)
-        if (by.dq[x]) rbdi_move_columns(m, c->points, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
+
+    /* the half of the step behind q_mid, and the half before */
+    for (int x = 0; x < 3; ++x)
+        if (by.dq[x] && !status)
+            rbdi_move_columns(m, c->points, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
     if (by.dq[0] && !status) {
         rbdi_columns_before(m, c->points, v, c->half, by.dq[0], by.dq[1]);
         rbdi_columns_before(m, c->points, v, c->half, by.dv[0], by.dv[1]);
     }
+
     for (int x = 0; x < 3; ++x)
         if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);
     if (!status && !solved) status = RBD_ERR_SINGULAR;
+
+    /* after an error all are 0 */
     if (status) rbd_contact_reset(c);
     for (int x = 0; x < 3; ++x)
         if (status && by.dq[x]) rbdi_clear(by.dq[x], size);
     for (int x = 0; x < 3; ++x)
         if (status && by.dv[x]) rbdi_clear(by.dv[x], size);
+
     if (to.q_next) rbdi_contact_move(m, c, status, q, to.q_next, to.v_next);
     return status;
 }

@@ -262,6 +262,8 @@ RBDI_EXTERN_C_END
 #undef U
 #pragma push_macro("V")
 #undef V
+#pragma push_macro("W")
+#undef W
 #pragma push_macro("X")
 #undef X
 #pragma push_macro("Y")
@@ -464,25 +466,24 @@ RBDI_INLINE RBDI_T rbdi_power(rbdi_motion S, rbdi_force f) {
 
        h = R h_b + m x
        Sigma = R Sigma_b R' + x (R h_b)' + h x'
-       X = [omega]x Sigma + v h'                the integral of x_dot x' dm
-       P = m v + omega x h                      linear momentum
+       X = [W_omega]x Sigma + W_v h'            the integral of x_dot x' dm
+       P = m W_v + W_omega x h                  linear momentum, both at the velocity W
        f: the wrench (n; f) of rbd.h's [state] less the external ones, of
           Omega = [omega_dot]x + [omega]x [omega]x and acc = a + omega x v
 
    These 27 numbers and m are summed over the subtree of each link. The sums make two matrices:
 
        I = [tr(Sigma) - Sigma, [h]x; -[h]x, m]
-       B = [tr(X) - X, 0; -[P]x, 0]
+       B = [tr(X) - X, 0; -[P]x, 0]             linear in W
 
    and these make the columns of each dof. Products of two columns are the entries of the results: [entries].
 
        F = I S
-       D = 2 B S + I U
-       E = 2 B Psi + I Phi + S x* f
-       T = 2 B' S                               a moment; its force is 0
+       D = B S + I U
+       E = B Psi + I Phi + S x* f
+       T = B' S                                 a moment; its force is 0
 
-   rbd_coriolis takes B in place of 2 B, and V x S for U. The fields X and P are those of the velocity 2 V, or
-   for rbd_coriolis of V: so the sums make 2 B or B.
+   W = 2 V: the papers have B at V, and 2 B in these lines. rbd_coriolis alone has W = V, and V x S for U.
 
    With a free base whose subtree has all other dofs (d->base) the frame has the axes of the base too. The S
    of the base's dofs are unit vectors there; [base entries] has their U and Phi. With the velocity (w; v) of
@@ -517,9 +518,9 @@ enum { RBDI_INERTIA_SUMS = 9, RBDI_MOMENTUM_SUMS = 12, RBDI_WRENCH_SUMS = 6 };
 typedef struct rbdi_sums {
     rbdi_batch xx, xy, xz, yy, yz, zz; /* Sigma; with h the inertia */
     rbdi_b3 h;
-    rbdi_b3 Xx, Xy, Xz; /* rows of X; with P the momentum */
-    rbdi_b3 P;
-    rbdi_bforce f; /* the wrench */
+    rbdi_b3 Xx, Xy, Xz; /* rows of X at W; with P the momentum */
+    rbdi_b3 P;          /* at W */
+    rbdi_bforce f;      /* the wrench */
 } rbdi_sums;
 
 /* A motion that is summed over ancestors. That of the link is p + joint. */
@@ -549,7 +550,8 @@ typedef struct rbdi_link_motion {
 struct rbdi_columns {
     rbdi_b3 ex, ey, ez; /* axes of the link */
     rbdi_b3 x;          /* its origin */
-    rbdi_bmotion S;     /* motion of the link for a unit velocity of the dof; of a free base constants */
+    rbdi_bmotion S;     /* motion of the link for a unit velocity of the dof. Of a free base constants: where
+                           rbd_energy_regressors alone needs others, it writes these anew at its end */
     rbdi_carried V;     /* velocity */
     rbdi_bmotion Psi;   /* rate of S, carried by the parent */
     rbdi_bmotion U;     /* acceleration for a unit velocity of the dof, which I multiplies in D */
@@ -814,8 +816,10 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
         }
 
         /* of a root: that of the world, -v of the common origin */
-        for (int k = seg->first; moves && k < seg->origin; ++k)
-            V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
+        if (moves) {
+            for (int k = seg->first; k < seg->origin; ++k)
+                V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
+        }
 
         /* of a block: all dofs have its p and its joint's sum */
         if (seg->block) {
@@ -854,7 +858,7 @@ RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v,
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
     RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q gives Phi and E */
-    RBDI_NEED_CORIOLIS = 4, /* B instead of 2 B: X and P from V, not from 2 V, and U = V x S */
+    RBDI_NEED_CORIOLIS = 4, /* W = V, not 2 V, for X and P; U = V x S */
     RBDI_NEED_WHOLE = 16    /* with the linear velocity of a free base and gravity, else both are 0 */
 };
 
@@ -951,10 +955,9 @@ RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *cols, const rbdi_constants
     s->zz = col_x.z * ex.z + col_y.z * ey.z + col_z.z * ez.z + x.z * h.z + s->h.z * x.z;
 }
 
-/* X = [omega]x Sigma + v h', P = m v + omega x h of the links. V: their velocity or, for 2 B in place of B,
-   twice that. */
-RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *own, rbdi_sums *s) {
-    const rbdi_b3 w = V.omega, v = V.v, h = s->h;
+/* X = [w]x Sigma + v h', P = m v + w x h of the links, W = (w; v). */
+RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion W, const rbdi_constants *own, rbdi_sums *s) {
+    const rbdi_b3 w = W.omega, v = W.v, h = s->h;
     const rbdi_b3 sx = rbdi_b_vec(s->xx, s->xy, s->xz), sy = rbdi_b_vec(s->xy, s->yy, s->yz),
                   sz = rbdi_b_vec(s->xz, s->yz, s->zz);
 
@@ -968,7 +971,7 @@ RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *own, rb
     s->P = rbdi_b_cross_add(rbdi_b_vec(v.x * own->m, v.y * own->m, v.z * own->m), w, h);
 }
 
-/* Omega = [omega_dot]x + [omega]x [omega]x. */
+/* Omega = [omega_dot]x + [omega]x [omega]x: rbdi_omega for batches, whose matrices are rows of vectors. */
 RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 w_dot) {
     rbdi_b33 O;
     O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - w_dot.z, w.x * w.z + w_dot.y);
@@ -982,7 +985,8 @@ RBDI_INLINE rbdi_b3 rbdi_b_classical(rbdi_bmotion V, rbdi_bmotion A) {
     return rbdi_b_cross_add(A.v, V.omega, V.v);
 }
 
-/* The wrench that moves each link, as in rbdi_wrench:
+/* The wrench that moves each link. rbdi_wrench has the same formula for one link with the model's constants,
+   whose zeros it leaves out; here h and Sigma are about the common origin, and none is 0:
 
        f = Omega h + m acc,   n = (K_zy - K_yz; K_xz - K_zx; K_yx - K_xy),   K = Omega Sigma + acc h' */
 RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_constants *own, rbdi_sums *s) {
@@ -1088,10 +1092,15 @@ RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *roo
             }
         }
 
-        for (e = first + 1; seg->block && e < d->entry + seg->end; ++e) {
-            out = x + e->at;
-            RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
+        /* a block: all of its dofs have the sum */
+        if (seg->block) {
+            for (e = first + 1; e < d->entry + seg->end; ++e) {
+                out = x + e->at;
+                RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
+            }
         }
+
+        /* and the parent's segment takes it */
 
         if (seg->parent < 0) continue;
         out = x + d->entry[seg->parent].at;
@@ -1152,7 +1161,7 @@ RBDI_INLINE rbdi_b3 rbdi_subtree_B_t(const rbdi_sums *s, rbdi_bmotion S) {
     return rbdi_b_cross_add(n, s->P, S.v);
 }
 
-/* F = I S and, if needed, T = 2 B' S and D = 2 B S + I U of a batch of dofs. */
+/* F = I S and, if needed, T = B' S and D = B S + I U of a batch of dofs. */
 RBDI_INLINE void rbdi_force_columns(rbdi_columns *cols, const rbdi_constants *own, int need) {
     const rbdi_sums *s = &cols->sum;
     const rbdi_bmotion S = cols->S;
@@ -1165,7 +1174,7 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *cols, const rbdi_constants *ow
     cols->F = rbdi_inertia_times(s, own->subtree, S);
 }
 
-/* Phi = A_p x S + V_p x Psi and E = 2 B Psi + I Phi + S x* f of the dofs behind a free base, where
+/* Phi = A_p x S + V_p x Psi and E = B Psi + I Phi + S x* f of the dofs behind a free base, where
    S x* f = (S_omega x n + S_v x f; S_omega x f). */
 RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
@@ -1277,8 +1286,10 @@ RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const r
 
 /* Replaces dtau_i/dq_j of dofs i before j of one block by T_i' Psi_j + F_i' Phi_j. */
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
-    for (const rbdi_segment *seg = d->segment + (d->base > 0); seg < d->segment + d->segments; ++seg)
-        for (int i = seg->first; seg->block && i < seg->end; ++i) {
+    for (const rbdi_segment *seg = d->segment + (d->base > 0); seg < d->segment + d->segments; ++seg) {
+        if (!seg->block) continue;
+
+        for (int i = seg->first; i < seg->end; ++i) {
             const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
             const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
 
@@ -1287,6 +1298,7 @@ RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) 
                     rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega), RBDI_BATCH)) +
                     rbdi_power(rbdi_load_motion(RBDI_OF(d, j, stage.by_q.Phi), RBDI_BATCH), F);
         }
+    }
 }
 
 /* Adds the rotors' inertias to the diagonal of M. */
@@ -1494,7 +1506,7 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 
 /* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree:
 
-       F = I S,   D = 2 B S + I U,   E = I Phi = (h x Phi_v; m Phi_v) */
+       F = I S,   D = B S + I U,   E = I Phi = (h x Phi_v; m Phi_v) */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
     const int last = d->base - 1;
     const rbdi_b3 minus_g = rbdi_b_all(d->minus_g);
@@ -1555,7 +1567,8 @@ RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x
         }
     }
 
-    for (int k = 0; base && k < n; ++k, x += RBDI_BATCH, out += nv) {
+    if (!base) return;
+    for (int k = 0; k < n; ++k, x += RBDI_BATCH, out += nv) {
         RBDI_UNROLL_SIX for (int j = 0; j < 6; j += RBDI_BATCH)
             rbdi_copy_batch(&x[j * RBDI_COLUMN_SIZE], 6 - j, &out[j]);
     }
@@ -1972,8 +1985,9 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     for (const rbdi_segment *r = d->segment + 1; r < d->segment + d->segments; ++r) {
         if (r->parent < 0) offset = rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
         others |= r->parent < 0;
+        if (!others) continue;
 
-        for (int k = r->first; others && k < r->end; ++k) {
+        for (int k = r->first; k < r->end; ++k) {
             rbd_real *x = RBDI_OF(d, k, x);
             rbdi_store_vec(x, RBDI_BATCH, rbdi_add(rbdi_load_vec(x, RBDI_BATCH), offset));
             rbdi_shift_moment(RBDI_OF(d, k, F), offset);
@@ -2274,9 +2288,10 @@ RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *
     for (int k = 0; k < m->nv; ++k) given[k] = 1;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        const int base = l->parent < 0 && rbdi_link_dofs(m, l) == 6;
-        for (int k = 0; base && k < 6; ++k) given[l->iv + k] = 0;
-        bases += base;
+        if (l->parent >= 0 || rbdi_link_dofs(m, l) != 6) continue;
+
+        for (int k = 0; k < 6; ++k) given[l->iv + k] = 0;
+        ++bases;
     }
 
     if (bases == 0) return rbd_rnea(m, d->work, q, v, a, f_ext, tau);
@@ -2571,11 +2586,13 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
 
     /* from y to a */
     if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
-    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
+    if (a)
+        for (int k = 0; k < nv; ++k) a[k] = d->a[k];
+    if (!status) return RBD_OK;
 
     /* the results become 0 in the lanes that have an error */
-    if (status && a) (void)rbdi_pivot_status(m, d->work, a, nv);
-    for (int k = 0; status && k < 3; ++k)
+    if (a) (void)rbdi_pivot_status(m, d->work, a, nv);
+    for (int k = 0; k < 3; ++k)
         if (result[k]) (void)rbdi_pivot_status(m, d->work, result[k], nv * nv);
     return status;
 }
@@ -2587,7 +2604,9 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
 /* ---- regressors and inertial parameters [identification code] ----
    f = I a + v x* I v (RBDA table 5.1) is linear in a body's parameters, f = K pi: row i of Y is S_i' K. */
 
-/* Four parameters of a body, or their factors. add: y += factor x; scale: y = factor x. */
+/* Four parameters of a body, or their factors. A row of K has three such parts: m and m c; xx xy xz yy; xz yy
+   yz zz, where the last two overlap. All formulas below are the same for each of the four, as for the
+   components of a vector. add: y += factor x; scale: y = factor x. */
 typedef struct rbdi_four {
     rbd_real x, y, z, w;
 } rbdi_four;
@@ -3273,6 +3292,7 @@ RBDI_CODE_END
 #pragma pop_macro("T")
 #pragma pop_macro("U")
 #pragma pop_macro("V")
+#pragma pop_macro("W")
 #pragma pop_macro("X")
 #pragma pop_macro("Y")
 

@@ -885,7 +885,8 @@ RBDI_LOCAL void rbdi_ik_find_dofs(rbdi_ik *ik) {
     for (int i = 0; i < m->nv; ++i) mark[i] = 0;
     for (const rbd_ik_target *t = ik->target; t < ik->target + ik->n; ++t) {
         if (t->kind != RBD_IK_COM) rbdi_ik_mark(m, m->frame[t->body].link, mark);
-        for (int i = 0; t->kind == RBD_IK_COM && i < m->nl; ++i) rbdi_ik_mark(m, i, mark);
+        if (t->kind == RBD_IK_COM)
+            for (int i = 0; i < m->nl; ++i) rbdi_ik_mark(m, i, mark);
     }
 
     ik->dofs = 0;
@@ -1262,10 +1263,12 @@ RBDI_LOCAL rbd_status rbdi_ik_check_options(const rbd_ik_options *o, rbd_ik_resu
 /* A joint that turns has no coordinate that stays if one of its dofs does: all of them are held, or none. */
 RBDI_LOCAL rbd_status rbdi_ik_check_held(const rbd_model *m, const unsigned char *held,
                                          rbd_ik_result *result) {
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        for (int k = 1; k < u->nv && rbdi_joint_turns(u); ++k)
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        if (!rbdi_joint_turns(u)) continue;
+        for (int k = 1; k < u->nv; ++k)
             if (!held[u->iv + k] != !held[u->iv])
                 return rbdi_ik_refuse(result, RBD_ERR_INFEASIBLE, -1, "held");
+    }
     return RBD_OK;
 }
 

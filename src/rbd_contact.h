@@ -119,6 +119,8 @@ RBDI_CODE_END
 
 RBDI_CODE_BEGIN
 
+#include "contact/rho.h"
+#include "contact/sigma.h"
 #include "contact/derivatives.h"
 
 RBDI_CODE_END

@@ -1,6 +1,5 @@
 #ifndef RBDI_BATCH_CONSTRAINTS_H
 #define RBDI_BATCH_CONSTRAINTS_H
-#include "api/lookup.h"
 #include "constraints/set.h"
 #include "api/batch_constraints.h"
 #include "batch/tasks.h"

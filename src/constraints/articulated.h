@@ -53,7 +53,8 @@ RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constra
     K[1] = K[3] * arm.z - K[5] * arm.x;
     K[2] = K[4] * arm.x - K[3] * arm.y;
 
-    for (int j = 0; con->angular && j < 3; ++j)
+    if (!con->angular) return;
+    for (int j = 0; j < 3; ++j)
         K[j] = K[j] + *(const rbdi_batch *)&h->axis[0][r] * axis[j].x +
                *(const rbdi_batch *)&h->axis[1][r] * axis[j].y +
                *(const rbdi_batch *)&h->axis[2][r] * axis[j].z;

@@ -188,9 +188,14 @@ RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint) {
 
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c) {
     rbd_real rank = rbdi_zero();
-    int least = c ? c->rows : 0;
-    for (int r = 0; c && r < c->rows; ++r)
+    int least;
+    if (!c) return 0;
+
+    for (int r = 0; r < c->rows; ++r)
         rank = rank + rbdi_select(rbdi_dropped(c, r), rbdi_zero(), rbdi_set(RBD_C(1)));
+
+    /* of lanes the least */
+    least = c->rows;
     while (least > 0 && rbdi_any(rbdi_less(rank, rbdi_set(RBD_C(least))))) --least;
     return least;
 }

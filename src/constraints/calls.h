@@ -72,9 +72,11 @@ RBDI_LOCAL int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, co
 
     /* the articulated bodies; in an impact without velocity products */
     rbdi_articulated_start(m, c, q, v, restitution ? none : w->gravity, c->moving || restitution);
-    for (int i = 0; restitution && i < m->nl; ++i) {
-        w->scratch[i].f = rbdi_force0();
-        w->scratch[i].c = rbdi_motion0();
+    if (restitution) {
+        for (int i = 0; i < m->nl; ++i) {
+            w->scratch[i].f = rbdi_force0();
+            w->scratch[i].c = rbdi_motion0();
+        }
     }
     rbdi_external(m, w, f_ext);
     if (rbdi_any(rbdi_aba_pass2(m, w, tau))) return 0;
@@ -209,7 +211,8 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
 
     rbdi_constraint_rows_at(m, c, q, v, e != NULL);
     for (int r = 0; r < c->rows; ++r) {
-        for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
+        if (J)
+            for (int k = 0; k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
         if (gamma) gamma[r] = c->gamma[r];
         if (e) e[r] = c->e[r];
     }

@@ -424,11 +424,13 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
 
     /* by tau, rho = -1 */
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
-    for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
+    if (to.da_dtau)
+        for (int k = 0; k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
 
     solved = rbdi_constrained_slopes(m, c, solved, of_a, of_lambda);
 
-    for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
+    if (to.a)
+        for (int k = 0; k < nv; ++k) to.a[k] = d->a[k];
     return solved;
 }
 

@@ -52,8 +52,8 @@ RBDI_LOCAL void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, i
 
 /* P' X or, if `back`, P X. X: rows x columns. */
 RBDI_LOCAL void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns, int back) {
-    for (int t = 0; c->pivoted && t < c->rows; ++t)
-        rbdi_exchange(c, back ? c->rows - 1 - t : t, X, columns, columns, 1);
+    if (!c->pivoted) return;
+    for (int t = 0; t < c->rows; ++t) rbdi_exchange(c, back ? c->rows - 1 - t : t, X, columns, columns, 1);
 }
 
 /* c->square of the rows from t on: of column j of Z, after t reflections, the sum of Z_kj^2 from k = t on. */
@@ -250,8 +250,10 @@ RBDI_LOCAL void rbdi_check_rows(rbd_constraint_set *c) {
 
 /* The columns of X lose their components along the null vectors. X: rows x columns. */
 RBDI_LOCAL void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int columns) {
-    rbd_real *x = c->square;
-    for (int j = 0; c->pivoted && j < columns; ++j) {
+    rbd_real *x = c->square; /* one column */
+    if (!c->pivoted) return;
+
+    for (int j = 0; j < columns; ++j) {
         for (int i = 0; i < c->rows; ++i) x[i] = X[i * columns + j];
         rbdi_project(c, c->rows, x);
         for (int i = 0; i < c->rows; ++i) X[i * columns + j] = x[i];
@@ -290,7 +292,8 @@ RBDI_LOCAL rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint
         (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
         c->infeasible = -1;
     }
-    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
+    if (lambda)
+        for (int r = 0; r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }

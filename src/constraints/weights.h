@@ -22,9 +22,10 @@
 
 /* Whether n weights are 0, or from RBDI_LEAST_WEIGHT to RBDI_MOST_WEIGHT. NULL: all are 1. */
 RBDI_LOCAL int rbdi_weights_fit(const rbd_const *weight, int n) {
-    for (int k = 0; weight && k < n; ++k) {
-        const int none = weight[k] >= 0 && weight[k] <= 0;
+    if (!weight) return 1;
 
+    for (int k = 0; k < n; ++k) {
+        const int none = weight[k] >= 0 && weight[k] <= 0;
         if (!none && !(weight[k] >= RBDI_LEAST_WEIGHT && weight[k] <= RBDI_MOST_WEIGHT)) return 0;
     }
     return 1;
@@ -33,7 +34,9 @@ RBDI_LOCAL int rbdi_weights_fit(const rbd_const *weight, int n) {
 /* The weight that stands for 0: the share RBDI_FREE of the least of the others. */
 RBDI_LOCAL rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
     rbd_const least = 0;
-    for (int k = 0; weight && k < n; ++k)
+    if (!weight) return RBD_C(1);
+
+    for (int k = 0; k < n; ++k)
         if (weight[k] > 0 && !(least > 0 && least < weight[k])) least = weight[k];
     return least > 0 ? least * RBDI_FREE : RBD_C(1);
 }
@@ -78,7 +81,8 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
     /* tau - J' lambda */
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
-    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * root[r];
+    if (lambda)
+        for (int r = 0; r < c->rows; ++r) lambda[r] = c->lambda[r] * root[r];
 
     c->infeasible = -1; /* least squares always have a solution */
     return RBD_OK;

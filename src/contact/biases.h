@@ -130,8 +130,12 @@ RBDI_LOCAL void rbdi_find_rebounds(rbd_contact_set *c) {
         any |= contact->rebounds;
     }
 
-    for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact)
-        if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap)) contact->rebounds = 1;
+    if (any) {
+        for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
+            if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap))
+                contact->rebounds = 1;
+    }
+
     for (rbdi_limit_row *limit = c->limit; limit < c->limit + c->limits; ++limit)
         limit->rebounds = any && limit->row >= 0 && rbdi_leaves(c, &limit->gap);
 }

@@ -43,9 +43,12 @@ RBDI_LOCAL void rbdi_begin_bounded(rbdi_bounded_row *row) {
 /* Lists the dofs that have dry friction, or counts them; NULL: counts. */
 RBDI_LOCAL int rbdi_list_frictions(const rbd_model *m, const rbd_contact_options *o, rbdi_bounded_row *row) {
     int n = 0;
-    for (int k = 0; o->joint_friction && k < m->nv; ++k) {
+    if (!o->joint_friction) return 0;
+
+    for (int k = 0; k < m->nv; ++k) {
         const rbd_const friction = rbdi_joint_friction(m, k);
         if (!(friction > 0)) continue;
+
         if (row) {
             rbdi_begin_bounded(&row[n]);
             row[n].law.dofs = 1;

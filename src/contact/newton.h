@@ -134,11 +134,14 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
         largest = size;
     }
 
-    for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
-        const rbd_real old = own[j];
-        own[j] = best[j];
-        best[j] = old;
+    if (best != own) {
+        for (int j = k; j < s->unknowns + s->sides; ++j) {
+            const rbd_real old = own[j];
+            own[j] = best[j];
+            best[j] = old;
+        }
     }
+
     return largest > 0;
 }
 
@@ -260,7 +263,10 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
 
     for (int i = rbdi_full_step(s, proximal) ? 0 : 4; i < 4; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
-        for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->full[r] - s->start[r]) * share;
+
+        if (i > 0) { /* p is the full step already */
+            for (int r = 0; r < s->rows; ++r) s->p[r] = s->start[r] + (s->full[r] - s->start[r]) * share;
+        }
         (void)rbdi_into_cones(s, 0);
         rbdi_contact_residual(s);
         if (s->solution.residual < before * gain[i]) return 1;

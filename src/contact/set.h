@@ -126,8 +126,9 @@ RBDI_LOCAL int rbdi_limits_of_joint(const rbd_model *m, const rbdi_frame *u, rbd
 /* Lists the limits of all joints of one dof; NULL: counts them. */
 RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbd_contact_options *o, rbdi_limit_row *row) {
     int n = 0;
-    for (int b = 0; o->joint_limits && b < m->nb; ++b)
-        if (m->frame[b].nv == 1) n += rbdi_limits_of_joint(m, &m->frame[b], row ? &row[n] : NULL);
+    if (o->joint_limits)
+        for (int b = 0; b < m->nb; ++b)
+            if (m->frame[b].nv == 1) n += rbdi_limits_of_joint(m, &m->frame[b], row ? &row[n] : NULL);
     return n;
 }
 

@@ -43,6 +43,7 @@ RBDI_PART void rbdi_set_impulses(rbdi_contact_solver *s, const rbd_real *p) {
    that jam would get impulses in whose rounding the velocities are lost. */
 RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
     rbd_real least;
+
     rbdi_clear(s->start, s->rows);
     rbdi_set_impulses(s, s->start);
     least = s->solution.residual / 2;
@@ -57,9 +58,11 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     const rbd_const proximal[3] = RBDI_PROXIMAL;
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
     int sweeps = 2;
+
     s->solution.sweeps = s->solution.newton_steps = 0;
     s->solution.residual = rbdi_zero();
     if (s->rows == 0) return;
+
     rbdi_clear(s->best, s->rows);
 
     rbdi_contact_velocities(s);
@@ -78,6 +81,7 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
             return;
         }
 
+        /* a Newton step with each proximal weight, or sweeps if none reduces the residual */
         while (tried < 3 && !rbdi_newton_step(s, proximal[tried])) ++tried;
         ++s->solution.newton_steps;
         if (tried < 3) continue;
@@ -181,7 +185,8 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
     rbdi_contact_begin(&s, problem, p);
     rbdi_contact_iterate(&s);
 
-    for (int i = 0; state && i < problem->contacts; ++i) state[i] = s.law[i].state;
+    if (state)
+        for (int i = 0; i < problem->contacts; ++i) state[i] = s.law[i].state;
     if (solution) *solution = s.solution;
     return RBD_OK;
 }

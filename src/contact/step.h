@@ -28,18 +28,22 @@ RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, 
     rbdi_vector_transposed(m, w, w->H, x);
 }
 
-/* Adds dt damping, and the caller's matrix, to M, and factors it. */
+/* Adds the caller's matrix and the damping to M, and factors the sum. Returns whether a pivot is in doubt. */
 RBDI_LOCAL rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
-    for (int k = 0; c->added && k < m->nh; ++k) w->H[k] = w->H[k] + c->added[k];
+
+    /* K = M + A + dt d */
+    if (c->added)
+        for (int k = 0; k < m->nh; ++k) w->H[k] = w->H[k] + c->added[k];
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         c->damping[k] = damping ? damping[k] : rbdi_zero();
         if (c->options.joint_damping) c->damping[k] = c->damping[k] + rbdi_joint_damping(m, k);
         *diagonal = *diagonal + c->dt * c->damping[k];
     }
+
     doubt = rbdi_factor(m, w, w->H);
     for (int k = 0; k < m->nv; ++k) s->D_inverse[k] = w->H[m->dof[k].row + m->dof[k].depth];
     return doubt;
@@ -137,7 +141,7 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
    turns. Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
-    rbd_real *change = c->rows->x;
+    rbd_real *change = c->rows->x; /* of velocities, by the first correction */
     rbd_real changes = rbdi_zero();
     rbd_real speeds = c->solver.given.tolerance;
 
@@ -172,20 +176,23 @@ RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const
 
 /* Corrects again, if the first correction changed anything; solves with the biases of positions, and computes
    c->moved. Where neither correction nor biases changed anything, the first solution stays if it is good
-   enough. Its impulses are kept in c->early. */
+   enough. c->early keeps the impulses of the first solution for rbdi_solve_apart. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext, int changed) {
     const rbd_contact_solution first = c->solver.solution;
     const rbd_constraint_set *s = c->rows;
-    if (changed)
+
+    if (changed) {
         rbdi_correct_again(m, c, tau, f_ext);
-    else
+    } else {
         for (int k = 0; k < m->nv; ++k) c->x[RBDI_X_CORRECTED_TWICE][k] = c->x[RBDI_X_CORRECTED][k];
+    }
 
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
     for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
     changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS) > 0;
+
     if (changed || !(first.residual <= c->solver.given.tolerance)) {
         rbdi_contact_iterate(&c->solver);
         c->solver.solution.sweeps += first.sweeps;
@@ -225,6 +232,7 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
 RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
     const rbd_constraint_set *s = c->rows;
     const rbd_real inverse = 1 / c->dt;
+
     c->last_dt = c->dt;
     rbdi_clear(c->impulse, c->max_rows);
     for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
@@ -253,12 +261,15 @@ RBDI_LOCAL void rbdi_solve_apart(const rbd_model *m, rbd_contact_set *c, rbd_rea
     const rbd_contact_solution first = c->solver.solution;
     const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
 
-    for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
+    if (again)
+        for (int r = 0; r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
+
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->half > 0 ? c->x[RBDI_X_CORRECTED_TWICE] : c->x[RBDI_X_UNCORRECTED], c->nu);
 
     c->jams = again && first.residual > RBDI_JAMS * asked;
-    for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
+    if (c->jams)
+        for (int k = 0; k < m->nv; ++k) c->moved[k] = c->nu[k];
 
     c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
     c->solver.solution.sweeps += first.sweeps;
@@ -271,6 +282,7 @@ RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set 
     int finite = rbdi_all_finite(c->b, c->rows->rows) && rbdi_all_finite(c->q_mid, m->nq);
     rbd_real asked;
 
+    /* nu is c->moved, unless biases differ */
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     asked = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
@@ -324,6 +336,7 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     int flies;
     if (status) return status;
+
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
 
@@ -339,8 +352,11 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
                                    const rbd_real *damping, rbd_real dt, rbd_real *a) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
+
     rbdi_choose_scheme(c, dt, 1);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
+
+    /* a = (nu - v_mid) / dt + a(at), by [straight moves] */
     for (int k = 0; k < m->nv; ++k) a[k] = (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
     if (!status && !rbdi_all_finite(a, m->nv)) status = RBD_ERR_NAN;
     if (status) rbdi_clear(a, m->nv);
@@ -351,7 +367,8 @@ RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_
                                            rbd_real force[3]) {
     const int there = c && i >= 0 && i < c->n;
     if (gap) *gap = there ? c->contact[i].gap.start : rbdi_zero();
-    for (int j = 0; force && j < 3; ++j) force[j] = there ? c->contact[i].force[j] : rbdi_zero();
+    if (force)
+        for (int j = 0; j < 3; ++j) force[j] = there ? c->contact[i].force[j] : rbdi_zero();
     return there ? c->contact[i].state : RBD_APART;
 }
 

@@ -21,7 +21,7 @@
 
 /* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree:
 
-       F = I S,   D = 2 B S + I U,   E = I Phi = (h x Phi_v; m Phi_v) */
+       F = I S,   D = B S + I U,   E = I Phi = (h x Phi_v; m Phi_v) */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
     const int last = d->base - 1;
     const rbdi_b3 minus_g = rbdi_b_all(d->minus_g);
@@ -82,7 +82,8 @@ RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x
         }
     }
 
-    for (int k = 0; base && k < n; ++k, x += RBDI_BATCH, out += nv) {
+    if (!base) return;
+    for (int k = 0; k < n; ++k, x += RBDI_BATCH, out += nv) {
         RBDI_UNROLL_SIX for (int j = 0; j < 6; j += RBDI_BATCH)
             rbdi_copy_batch(&x[j * RBDI_COLUMN_SIZE], 6 - j, &out[j]);
     }

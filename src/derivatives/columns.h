@@ -32,25 +32,24 @@
 
        h = R h_b + m x
        Sigma = R Sigma_b R' + x (R h_b)' + h x'
-       X = [omega]x Sigma + v h'                the integral of x_dot x' dm
-       P = m v + omega x h                      linear momentum
+       X = [W_omega]x Sigma + W_v h'            the integral of x_dot x' dm
+       P = m W_v + W_omega x h                  linear momentum, both at the velocity W
        f: the wrench (n; f) of rbd.h's [state] less the external ones, of
           Omega = [omega_dot]x + [omega]x [omega]x and acc = a + omega x v
 
    These 27 numbers and m are summed over the subtree of each link. The sums make two matrices:
 
        I = [tr(Sigma) - Sigma, [h]x; -[h]x, m]
-       B = [tr(X) - X, 0; -[P]x, 0]
+       B = [tr(X) - X, 0; -[P]x, 0]             linear in W
 
    and these make the columns of each dof. Products of two columns are the entries of the results: [entries].
 
        F = I S
-       D = 2 B S + I U
-       E = 2 B Psi + I Phi + S x* f
-       T = 2 B' S                               a moment; its force is 0
+       D = B S + I U
+       E = B Psi + I Phi + S x* f
+       T = B' S                                 a moment; its force is 0
 
-   rbd_coriolis takes B in place of 2 B, and V x S for U. The fields X and P are those of the velocity 2 V, or
-   for rbd_coriolis of V: so the sums make 2 B or B.
+   W = 2 V: the papers have B at V, and 2 B in these lines. rbd_coriolis alone has W = V, and V x S for U.
 
    With a free base whose subtree has all other dofs (d->base) the frame has the axes of the base too. The S
    of the base's dofs are unit vectors there; [base entries] has their U and Phi. With the velocity (w; v) of
@@ -85,9 +84,9 @@ enum { RBDI_INERTIA_SUMS = 9, RBDI_MOMENTUM_SUMS = 12, RBDI_WRENCH_SUMS = 6 };
 typedef struct rbdi_sums {
     rbdi_batch xx, xy, xz, yy, yz, zz; /* Sigma; with h the inertia */
     rbdi_b3 h;
-    rbdi_b3 Xx, Xy, Xz; /* rows of X; with P the momentum */
-    rbdi_b3 P;
-    rbdi_bforce f; /* the wrench */
+    rbdi_b3 Xx, Xy, Xz; /* rows of X at W; with P the momentum */
+    rbdi_b3 P;          /* at W */
+    rbdi_bforce f;      /* the wrench */
 } rbdi_sums;
 
 /* A motion that is summed over ancestors. That of the link is p + joint. */
@@ -117,7 +116,8 @@ typedef struct rbdi_link_motion {
 struct rbdi_columns {
     rbdi_b3 ex, ey, ez; /* axes of the link */
     rbdi_b3 x;          /* its origin */
-    rbdi_bmotion S;     /* motion of the link for a unit velocity of the dof; of a free base constants */
+    rbdi_bmotion S;     /* motion of the link for a unit velocity of the dof. Of a free base constants: where
+                           rbd_energy_regressors alone needs others, it writes these anew at its end */
     rbdi_carried V;     /* velocity */
     rbdi_bmotion Psi;   /* rate of S, carried by the parent */
     rbdi_bmotion U;     /* acceleration for a unit velocity of the dof, which I multiplies in D */

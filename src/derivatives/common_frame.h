@@ -147,8 +147,10 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
         }
 
         /* of a root: that of the world, -v of the common origin */
-        for (int k = seg->first; moves && k < seg->origin; ++k)
-            V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
+        if (moves) {
+            for (int k = seg->first; k < seg->origin; ++k)
+                V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
+        }
 
         /* of a block: all dofs have its p and its joint's sum */
         if (seg->block) {
@@ -187,7 +189,7 @@ RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v,
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
     RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q gives Phi and E */
-    RBDI_NEED_CORIOLIS = 4, /* B instead of 2 B: X and P from V, not from 2 V, and U = V x S */
+    RBDI_NEED_CORIOLIS = 4, /* W = V, not 2 V, for X and P; U = V x S */
     RBDI_NEED_WHOLE = 16    /* with the linear velocity of a free base and gravity, else both are 0 */
 };
 

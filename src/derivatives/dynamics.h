@@ -249,11 +249,13 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
 
     /* from y to a */
     if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
-    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
+    if (a)
+        for (int k = 0; k < nv; ++k) a[k] = d->a[k];
+    if (!status) return RBD_OK;
 
     /* the results become 0 in the lanes that have an error */
-    if (status && a) (void)rbdi_pivot_status(m, d->work, a, nv);
-    for (int k = 0; status && k < 3; ++k)
+    if (a) (void)rbdi_pivot_status(m, d->work, a, nv);
+    for (int k = 0; k < 3; ++k)
         if (result[k]) (void)rbdi_pivot_status(m, d->work, result[k], nv * nv);
     return status;
 }

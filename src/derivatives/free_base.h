@@ -77,9 +77,10 @@ RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *
     for (int k = 0; k < m->nv; ++k) given[k] = 1;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        const int base = l->parent < 0 && rbdi_link_dofs(m, l) == 6;
-        for (int k = 0; base && k < 6; ++k) given[l->iv + k] = 0;
-        bases += base;
+        if (l->parent >= 0 || rbdi_link_dofs(m, l) != 6) continue;
+
+        for (int k = 0; k < 6; ++k) given[l->iv + k] = 0;
+        ++bases;
     }
 
     if (bases == 0) return rbd_rnea(m, d->work, q, v, a, f_ext, tau);

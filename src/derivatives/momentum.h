@@ -33,8 +33,9 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     for (const rbdi_segment *r = d->segment + 1; r < d->segment + d->segments; ++r) {
         if (r->parent < 0) offset = rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
         others |= r->parent < 0;
+        if (!others) continue;
 
-        for (int k = r->first; others && k < r->end; ++k) {
+        for (int k = r->first; k < r->end; ++k) {
             rbd_real *x = RBDI_OF(d, k, x);
             rbdi_store_vec(x, RBDI_BATCH, rbdi_add(rbdi_load_vec(x, RBDI_BATCH), offset));
             rbdi_shift_moment(RBDI_OF(d, k, F), offset);

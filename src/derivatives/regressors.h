@@ -8,7 +8,9 @@
 /* ---- regressors and inertial parameters [identification code] ----
    f = I a + v x* I v (RBDA table 5.1) is linear in a body's parameters, f = K pi: row i of Y is S_i' K. */
 
-/* Four parameters of a body, or their factors. add: y += factor x; scale: y = factor x. */
+/* Four parameters of a body, or their factors. A row of K has three such parts: m and m c; xx xy xz yy; xz yy
+   yz zz, where the last two overlap. All formulas below are the same for each of the four, as for the
+   components of a vector. add: y += factor x; scale: y = factor x. */
 typedef struct rbdi_four {
     rbd_real x, y, z, w;
 } rbdi_four;

@@ -24,10 +24,9 @@ RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *cols, const rbdi_constants
     s->zz = col_x.z * ex.z + col_y.z * ey.z + col_z.z * ez.z + x.z * h.z + s->h.z * x.z;
 }
 
-/* X = [omega]x Sigma + v h', P = m v + omega x h of the links. V: their velocity or, for 2 B in place of B,
-   twice that. */
-RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *own, rbdi_sums *s) {
-    const rbdi_b3 w = V.omega, v = V.v, h = s->h;
+/* X = [w]x Sigma + v h', P = m v + w x h of the links, W = (w; v). */
+RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion W, const rbdi_constants *own, rbdi_sums *s) {
+    const rbdi_b3 w = W.omega, v = W.v, h = s->h;
     const rbdi_b3 sx = rbdi_b_vec(s->xx, s->xy, s->xz), sy = rbdi_b_vec(s->xy, s->yy, s->yz),
                   sz = rbdi_b_vec(s->xz, s->yz, s->zz);
 
@@ -41,7 +40,7 @@ RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *own, rb
     s->P = rbdi_b_cross_add(rbdi_b_vec(v.x * own->m, v.y * own->m, v.z * own->m), w, h);
 }
 
-/* Omega = [omega_dot]x + [omega]x [omega]x. */
+/* Omega = [omega_dot]x + [omega]x [omega]x: rbdi_omega for batches, whose matrices are rows of vectors. */
 RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 w_dot) {
     rbdi_b33 O;
     O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - w_dot.z, w.x * w.z + w_dot.y);
@@ -55,7 +54,8 @@ RBDI_INLINE rbdi_b3 rbdi_b_classical(rbdi_bmotion V, rbdi_bmotion A) {
     return rbdi_b_cross_add(A.v, V.omega, V.v);
 }
 
-/* The wrench that moves each link, as in rbdi_wrench:
+/* The wrench that moves each link. rbdi_wrench has the same formula for one link with the model's constants,
+   whose zeros it leaves out; here h and Sigma are about the common origin, and none is 0:
 
        f = Omega h + m acc,   n = (K_zy - K_yz; K_xz - K_zx; K_yx - K_xy),   K = Omega Sigma + acc h' */
 RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_constants *own, rbdi_sums *s) {
@@ -161,10 +161,15 @@ RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *roo
             }
         }
 
-        for (e = first + 1; seg->block && e < d->entry + seg->end; ++e) {
-            out = x + e->at;
-            RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
+        /* a block: all of its dofs have the sum */
+        if (seg->block) {
+            for (e = first + 1; e < d->entry + seg->end; ++e) {
+                out = x + e->at;
+                RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
+            }
         }
+
+        /* and the parent's segment takes it */
 
         if (seg->parent < 0) continue;
         out = x + d->entry[seg->parent].at;
@@ -225,7 +230,7 @@ RBDI_INLINE rbdi_b3 rbdi_subtree_B_t(const rbdi_sums *s, rbdi_bmotion S) {
     return rbdi_b_cross_add(n, s->P, S.v);
 }
 
-/* F = I S and, if needed, T = 2 B' S and D = 2 B S + I U of a batch of dofs. */
+/* F = I S and, if needed, T = B' S and D = B S + I U of a batch of dofs. */
 RBDI_INLINE void rbdi_force_columns(rbdi_columns *cols, const rbdi_constants *own, int need) {
     const rbdi_sums *s = &cols->sum;
     const rbdi_bmotion S = cols->S;
@@ -238,7 +243,7 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *cols, const rbdi_constants *ow
     cols->F = rbdi_inertia_times(s, own->subtree, S);
 }
 
-/* Phi = A_p x S + V_p x Psi and E = 2 B Psi + I Phi + S x* f of the dofs behind a free base, where
+/* Phi = A_p x S + V_p x Psi and E = B Psi + I Phi + S x* f of the dofs behind a free base, where
    S x* f = (S_omega x n + S_v x f; S_omega x f). */
 RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {

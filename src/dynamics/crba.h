@@ -260,7 +260,8 @@ RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i
     return rbdi_rbi_zero();
 }
 
-/* The same with flags and stride that the compiler does not know. */
+/* The same with flags and stride that the compiler does not know: for models of more dofs than
+   RBDI_FIXED_STRIDE. */
 RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
                               rbdi_rbi *carried, rbd_real *H, rbd_real *M) {
     *carried = rbdi_crba_step(m, w, i, rbdi_flags(&m->link[i]), stride, *carried, H, M);
@@ -324,10 +325,14 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
 
 /* M packed, from the joints' transforms. */
 RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H) {
-    if (rbdi_mimics(m)) rbdi_clear(w->H, m->nh);
-    rbdi_crba(m, w, rbdi_mimics(m) ? w->H : H, NULL, 0);
-    if (rbdi_mimics(m)) rbdi_reduce_H(m, w->H);
-    for (int k = 0; rbdi_mimics(m) && k < m->nh; ++k) H[k] = w->H[k];
+    const int mimics = rbdi_mimics(m);
+
+    if (mimics) rbdi_clear(w->H, m->nh);
+    rbdi_crba(m, w, mimics ? w->H : H, NULL, 0);
+    if (!mimics) return;
+
+    rbdi_reduce_H(m, w->H);
+    for (int k = 0; k < m->nh; ++k) H[k] = w->H[k];
 }
 
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {

@@ -83,7 +83,8 @@ RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, con
     const rbd_status status = rbdi_check(m, w, L && B && X);
     if (status) return status;
     if (n <= 0) return RBD_OK;
-    for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
+    if (X != B)
+        for (ptrdiff_t k = 0; k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
     rbdi_solve_columns(m, w, L, 1, n, n, X);
     return RBD_OK;
 }

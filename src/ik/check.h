@@ -88,10 +88,12 @@ RBDI_LOCAL rbd_status rbdi_ik_check_options(const rbd_ik_options *o, rbd_ik_resu
 /* A joint that turns has no coordinate that stays if one of its dofs does: all of them are held, or none. */
 RBDI_LOCAL rbd_status rbdi_ik_check_held(const rbd_model *m, const unsigned char *held,
                                          rbd_ik_result *result) {
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        for (int k = 1; k < u->nv && rbdi_joint_turns(u); ++k)
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        if (!rbdi_joint_turns(u)) continue;
+        for (int k = 1; k < u->nv; ++k)
             if (!held[u->iv + k] != !held[u->iv])
                 return rbdi_ik_refuse(result, RBD_ERR_INFEASIBLE, -1, "held");
+    }
     return RBD_OK;
 }
 

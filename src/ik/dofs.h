@@ -48,7 +48,8 @@ RBDI_LOCAL void rbdi_ik_find_dofs(rbdi_ik *ik) {
     for (int i = 0; i < m->nv; ++i) mark[i] = 0;
     for (const rbd_ik_target *t = ik->target; t < ik->target + ik->n; ++t) {
         if (t->kind != RBD_IK_COM) rbdi_ik_mark(m, m->frame[t->body].link, mark);
-        for (int i = 0; t->kind == RBD_IK_COM && i < m->nl; ++i) rbdi_ik_mark(m, i, mark);
+        if (t->kind == RBD_IK_COM)
+            for (int i = 0; i < m->nl; ++i) rbdi_ik_mark(m, i, mark);
     }
 
     ik->dofs = 0;

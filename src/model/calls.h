@@ -22,8 +22,7 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
 
 /* Why a model's dynamics cannot be computed. */
 RBDI_COLD rbd_status rbdi_no_dynamics(const rbd_model *m, const rbd_work *w) {
-    const rbd_status status = rbdi_check(m, w, 1);
-    return status ? status : RBD_ERR_MASSLESS;
+    return rbdi_check(m, w, 1) ? RBD_ERR_WORK : RBD_ERR_MASSLESS;
 }
 
 /* rbdi_check of a call that needs masses. */

@@ -196,8 +196,9 @@ RBDI_LOCAL void rbdi_check_followers(const rbd_body *bodies, int nb, rbd_report 
     for (int i = 0; i < nb; ++i) {
         const rbd_body *b = &bodies[i];
         int contradicts = 0;
+        if (!b->mimic) continue;
 
-        for (int j = 0; b->mimic && j < nb; ++j) {
+        for (int j = 0; j < nb; ++j) {
             const int source = j != i && rbdi_same(bodies[j].joint, b->mimic);
             const int beside = j < i && rbdi_same(bodies[j].mimic, b->mimic);
             if (source || beside) contradicts |= rbdi_limits_contradict(b, &bodies[j]);

@@ -11,13 +11,13 @@ RBDI_API int rbd_nq(const rbd_model *m) { return m ? m->nq : 0; }
 RBDI_API int rbd_nv(const rbd_model *m) { return m ? m->nv : 0; }
 
 RBDI_API int rbd_body_index(const rbd_model *m, const char *name) {
-    for (int b = 0; m && b < m->nb; ++b)
+    for (int b = 0; b < rbd_nb(m); ++b)
         if (rbdi_same(m->frame[b].name, name)) return b;
     return -1;
 }
 
 RBDI_API int rbd_joint_index(const rbd_model *m, const char *name) {
-    for (int b = 0; m && b < m->nb; ++b)
+    for (int b = 0; b < rbd_nb(m); ++b)
         if (rbdi_same(m->frame[b].joint, name)) return b;
     return -1;
 }

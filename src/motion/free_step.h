@@ -114,9 +114,11 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     /* q_mid and v_mid, and K there */
     rbdi_move_joints(m, RBDI_CENTRES, q, v, v, half, q_next, v_next);
     rbd_crba_packed(m, w, q_next, w->H);
-    for (int k = 0; damping && k < m->nv; ++k) {
-        rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
-        *diagonal = *diagonal + dt * damping[k];
+    if (damping) {
+        for (int k = 0; k < m->nv; ++k) {
+            rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
+            *diagonal = *diagonal + dt * damping[k];
+        }
     }
 
     doubt = rbdi_factor(m, w, w->H);

@@ -2,6 +2,7 @@
 #define RBDI_MOTION_KINEMATICS_H
 #include "api/kinematics.h"
 #include "api/points.h"
+#include "api/lookup.h"
 #include "model/calls.h"
 #include "dynamics/state.h"
 #include "motion/axes.h"
@@ -88,6 +89,7 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     if (w->moving) rbdi_kin_states(m, w, 0, m->nl, v, a);
     rbdi_kin_links(m, w, 0, m->nl, v, w->moving);
 
+    /* kinetic energy of the rotors */
     *w->rotors = rbdi_zero();
     for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
         *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
@@ -264,7 +266,7 @@ RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w
 
 RBDI_API rbd_const rbd_mass(const rbd_model *m) {
     rbd_const mass = RBD_C(0);
-    for (int body = 0; m && body < m->nb; ++body)
+    for (int body = 0; body < rbd_nb(m); ++body)
         if (m->frame[body].link >= 0) mass += m->frame[body].mass;
     return mass;
 }

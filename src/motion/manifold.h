@@ -234,8 +234,9 @@ RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const r
     rbd_real sum = rbdi_zero();
     if (!m || !q0 || !q1 || !distance) return RBD_ERR_NULL;
 
-    for (int k = 0; weight && k < m->nv; ++k)
-        if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
+    if (weight)
+        for (int k = 0; k < m->nv; ++k)
+            if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
 
     /* the sum of weight_k d_k^2 */
     for (int b = 0; b < m->nb; ++b) {
