@@ -49,10 +49,11 @@
      RBD_REPRODUCIBLE.
 
    [limits]
-     A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), in the step in which it
-     turns back by a thousandth of its speed, or gives way as its bristle says. The level of friction is that
-     of the state before a step, and of the loads of the last one. Steps settle by repeats, of which there are
-     50 at most. Cogging gives its own height of energy at most while teeth gear^2 cogging dt^2 is below twice
+     A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), in the step that stops
+     it also by a rounding of its speed, 2e-15 of it (float: 1e-6), in the step in which it turns back by a
+     thousandth, or gives way as its bristle says. The level of friction is that of the state before a step,
+     and of the loads of the last one. Steps settle by repeats, of which there are 50 at most: then the last
+     speeds count, which are finite, and some shaft has not the torque of its law. Cogging gives its own height of energy at most while teeth gear^2 cogging dt^2 is below twice
      the inertia that the shaft moves, and a drive's kd up to dt kd v^2 / 8, v the speed before, in a step of
      second order in which a shaft turns around. Not here: inductance, whose time constant is a millisecond or
      less, and the dynamics of the current's loop, rods with mass, tendons with slack, hysteresis of
@@ -416,6 +417,7 @@ RBDI_EXTERN_C_END
 #define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)      /* degrees: no winding gets there */
 #define RBDI_ACTUATOR_WARM RBD_C(25)          /* degrees at which resistances are given */
 #define RBDI_ACTUATOR_ROUNDING (8 * RBDI_EPS) /* of the size of a sum: a law adds up about eight terms */
+#define RBDI_ACTUATOR_NOTHING RBD_C(1e-9)     /* N m: torques round as this one at least */
 #define RBDI_ACTUATOR_ACROSS 14           /* times the square of its rounding: a change of speeds above it */
 #define RBDI_ACTUATOR_TELLING RBD_C(1e-7) /* of its work: what a repeat must tell beside those before it */
 #if RBDI_KIND(RBD_CONST) == 2
@@ -1292,6 +1294,11 @@ RBDI_INLINE rbdi_act_turning rbdi_act_turning_at(const rbd_actuators *a, const r
     return turning;
 }
 
+/* How well a step that begins with the shaft's speed tells the speed of its end. */
+RBDI_INLINE rbd_real rbdi_act_speed_rounding(const rbdi_act_shaft *s) {
+    return RBDI_ACTUATOR_ROUNDING * rbdi_abs(s->x);
+}
+
 /* The dry friction of a rigid shaft at speed x. */
 RBDI_PART rbdi_act_piece rbdi_act_dry(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
                                       const rbd_actuators *a) {
@@ -1302,7 +1309,8 @@ RBDI_PART rbdi_act_piece rbdi_act_dry(const rbd_motor *m, const rbdi_act_shaft *
         dry.start = -(s->bristle + m->friction.bristle * a->dt * (1 - a->share) * s->x);
         dry.slope = m->friction.bristle * a->dt * a->share;
     } else {
-        const rbd_real width = RBDI_ACTUATOR_CREEP + RBDI_ACTUATOR_BEND * rbdi_abs(turning.still);
+        const rbd_real width =
+            RBDI_ACTUATOR_CREEP + rbdi_act_speed_rounding(s) + RBDI_ACTUATOR_BEND * rbdi_abs(turning.still);
         dry.slope = turning.coasts ? rbdi_zero() : s->level / width;
         dry.start = dry.slope * turning.still;
     }
@@ -1358,6 +1366,21 @@ RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rb
     return up > 0 ? up : down < 0 ? down : rbdi_zero();
 }
 
+/* The speed y of a rotor that gets the impulse `given` and gives p to the spring: with w, what the spring is
+   wound,
+
+       J_t y = given - p,   p = dt (k w + K (y - x_m))
+
+   If it is light and the spring is stiff, the difference given - p is rounding. So p is put in. */
+RBDI_PART rbd_real rbdi_act_meshed_speed(const rbd_motor *m, const rbdi_act_shaft *s,
+                                         const rbdi_act_spring *spring, rbd_real given, rbd_real J_t,
+                                         rbd_real x_m, rbd_real dt) {
+    const int side = rbdi_act_sign(spring->p);
+    const rbd_real wound = s->angle - s->phi - (rbd_real)side * (m->backlash / 2);
+    const rbd_real K = dt * m->stiffness + m->damping;
+    return side ? (given + dt * (K * x_m - m->stiffness * wound)) / (J_t + dt * K) : given / J_t;
+}
+
 /* The spring's law at the speed x of the joint's side, if this is the motor's line. */
 RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_shaft *s, rbdi_act_line line,
                                              rbd_real x, const rbd_actuators *a) {
@@ -1377,7 +1400,7 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_
         const rbd_real friction = spring.p > given ? most : -most;
         spring.slope = K / (1 + dt * K / J_t);
         spring.p = rbdi_act_mesh(m, s, (given + friction) / J_t - x_m, 1 / J_t, dt);
-        spring.y = (given + friction - spring.p) / J_t;
+        spring.y = rbdi_act_meshed_speed(m, s, &spring, given + friction, J_t, x_m, dt);
     }
     if (!(rbdi_abs(spring.p) > 0)) spring.slope = rbdi_zero();
     return spring;
@@ -1431,16 +1454,16 @@ RBDI_PART rbd_real rbdi_act_law_at(const rbd_motor *m, const rbdi_act_shaft *s, 
     return rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
 }
 
-/* By how much the joint's torque T at speed x is not that of the law, where the speed is known to
-   a->speed_rounding. A coupled shaft may have any torque within the level of friction while it sticks: there
-   x is rounding. */
+/* By how much the joint's torque T at speed x is not that of the law. The speed is known to its rounding in a
+   step that begins with s->x and, of coupled shafts, to a->speed_rounding. A coupled shaft may have any torque
+   within the level of friction while it sticks: there x is rounding. */
 RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
                                 const rbd_actuators *a) {
     const int sticks = s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0);
     const rbd_real creep = sticks ? RBDI_ACTUATOR_CREEP * (1 + s->scale) : rbdi_zero();
-    const rbd_real slower = x - a->speed_rounding, faster = x + a->speed_rounding;
+    const rbd_real rounding = a->speed_rounding + rbdi_act_speed_rounding(s);
+    const rbd_real slower = x - rounding, faster = x + rounding;
     rbd_real least, most;
-    if (!(a->speed_rounding > 0)) return T - rbdi_act_law_at(m, s, x, a);
     if (!sticks) {
         least = rbdi_act_law_at(m, s, faster, a);
         most = rbdi_act_law_at(m, s, slower, a);
@@ -1461,7 +1484,7 @@ RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, co
     const rbd_real speeds = rbdi_abs(s->x) + rbdi_abs(s->next) + rbdi_abs(s->speed);
     const rbd_real K = a->dt * m->stiffness + m->damping;
     rbd_real size = rbdi_abs(law.start) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) +
-                    rbdi_abs(s->t) + rbdi_abs(s->cogging) + s->level + RBD_C(1e-20);
+                    rbdi_abs(s->t) + rbdi_abs(s->cogging) + s->level + RBDI_ACTUATOR_NOTHING;
     if (K > 0) size = size + law.slope / (a->share * K) * (m->stiffness * wound + K * speeds);
     return size;
 }
@@ -1972,14 +1995,21 @@ RBDI_LOCAL void rbdi_act_note_speeds(rbd_actuators *a, const rbd_real *v) {
     if (a->groups > 0) rbdi_act_note_rounding(a);
 }
 
+/* By how much the torque of a shaft may differ from its law, N m: by rounding and, where it was told a slope,
+   by that of the speed. */
+RBDI_LOCAL rbd_real rbdi_act_bound(const rbd_actuators *a, int i) {
+    const rbdi_act_shaft *s = &a->shaft[i];
+    if (s->dof < 0) return RBDI_ACTUATOR_SETTLED * s->size + a->torque_rounding;
+    return RBDI_ACTUATOR_ROUNDING * rbdi_act_size(&a->motor[i], s, a) +
+           s->slope * rbdi_act_speed_rounding(s) + a->torque_rounding;
+}
+
 /* Whether all shafts have the torques of their laws at the new speeds. */
 RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
-        const rbd_motor *m = &a->motor[i];
         const rbdi_act_shaft *s = &a->shaft[i];
-        const rbd_real bound =
-            s->dof < 0 ? RBDI_ACTUATOR_SETTLED * s->size : RBDI_ACTUATOR_ROUNDING * rbdi_act_size(m, s, a);
-        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > bound + a->torque_rounding) return 0;
+        const rbd_real off = rbdi_act_off(&a->motor[i], s, s->force, s->next, a);
+        if (rbdi_abs(off) > rbdi_act_bound(a, i)) return 0;
     }
     return 1;
 }

@@ -485,6 +485,44 @@ static void check_lines_that_meet(void) {
     expect(worst < bound(1e-14, 1e-5), "speed where lines meet", worst);
 }
 
+/* A light rotor that slides on a stiff spring: at the step's end the spring has the torque of its winding. */
+static void check_light_rotors(void) {
+    rbd_motor motor = {.joint = "axle", .gear = 10, .constant = 1, .stiffness = RBD_C(1e8)};
+    const rbd_command none = {0};
+    double worst = 0;
+    for (int k = 0; k < 2000; k++) {
+        const rbd_real other[1] = {0}, dt = draw(1e-3, 1e-2);
+        rbd_real q[1] = {draw(-1, 1)}, v[1] = {draw(2, 5)};
+        rbd_actuator_state s;
+        motor.inertia = (rbd_const)(1e-2 * pow(10, (double)draw(-6, -2)));
+        motor.friction.coulomb = draw(1, 10);
+        build(wheel, 1, &motor, 1, NULL, 0);
+        expect(rbd_actuators_reset(a, q, 25) == RBD_OK, "reset", k);
+        step(&none, other, q, v, dt);
+        rbd_actuators_get(a, 0, &s);
+        worst = larger(worst, fabs((double)s.angle - (double)q[0] - (double)s.joint / 1e8));
+        expect(s.speed > RBD_C(0.5), "it does not slide", (double)s.speed);
+    }
+    expect(worst < bound(1e-14, 1e-6), "winding of a stiff spring", worst);
+}
+
+/* A shaft that its friction stops within a step settles at once, whatever its speed was. */
+static void check_stopping(void) {
+    static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1, .friction = {.coulomb = 200}};
+    const rbd_command none = {0};
+    const rbd_real other[1] = {0};
+    int most = 0;
+    build(wheel, 1, &motor, 1, NULL, 0);
+    for (int k = 0; k < 5000; k++) {
+        rbd_real q[1] = {0}, v[1] = {draw(-20, 20)};
+        const double creep = bound(1e-9, 1e-6) + bound(1e-14, 1e-5) * fabs((double)v[0]);
+        const int repeats = step(&none, other, q, v, RBD_C(1e-2));
+        if (repeats > most) most = repeats;
+        expect(fabs((double)v[0]) <= creep, "a shaft that stops creeps", (double)v[0]);
+    }
+    expect(most <= 5, "repeats of a shaft that stops", most);
+}
+
 /* A model with what this program has not. */
 static void check_other_features(void) {
     static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1};
@@ -519,6 +557,8 @@ int main(void) {
     check_stiffening(1);
     check_search_cut_short();
     check_lines_that_meet();
+    check_light_rotors();
+    check_stopping();
     check_other_features();
     printf("%s\n", failures ? "FAILED" : "rbd_actuator.h: ok");
     return failures > 0;
