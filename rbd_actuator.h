@@ -53,12 +53,12 @@
      it also by a rounding of its speed, 2e-15 of it (float: 1e-6), in the step in which it turns back by a
      thousandth, or gives way as its bristle says. The level of friction is that of the state before a step,
      and of the loads of the last one. Steps settle by repeats, of which there are 50 at most: then the last
-     speeds count, which are finite, and some shaft has not the torque of its law. Cogging gives its own height of energy at most while teeth gear^2 cogging dt^2 is below twice
-     the inertia that the shaft moves, and a drive's kd up to dt kd v^2 / 8, v the speed before, in a step of
-     second order in which a shaft turns around. Not here: inductance, whose time constant is a millisecond or
-     less, and the dynamics of the current's loop, rods with mass, tendons with slack, hysteresis of
-     strain-wave gears, friction by temperature. That actuators belong to another robot cannot be seen: no
-     call but the first takes a model.
+     speeds count, which are finite, and some shaft has not the torque of its law. Cogging gives its own
+     height of energy at most while teeth gear^2 cogging dt^2 is below twice the inertia that the shaft moves,
+     and a drive's kd up to dt kd v^2 / 8, v the speed before, in a step of second order in which a shaft
+     turns around. Not here: inductance, whose time constant is a millisecond or less, and the dynamics of the
+     current's loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by
+     temperature. That actuators belong to another robot cannot be seen: no call but the first takes a model.
 */
 #include "rbd.h"
 
@@ -1454,9 +1454,9 @@ RBDI_PART rbd_real rbdi_act_law_at(const rbd_motor *m, const rbdi_act_shaft *s, 
     return rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
 }
 
-/* By how much the joint's torque T at speed x is not that of the law. The speed is known to its rounding in a
-   step that begins with s->x and, of coupled shafts, to a->speed_rounding. A coupled shaft may have any torque
-   within the level of friction while it sticks: there x is rounding. */
+/* By how much the joint's torque T at speed x is not that of the law. The speed is known to its rounding in
+   a step that begins with s->x and, of coupled shafts, to a->speed_rounding. A coupled shaft may have any
+   torque within the level of friction while it sticks: there x is rounding. */
 RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
                                 const rbd_actuators *a) {
     const int sticks = s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0);

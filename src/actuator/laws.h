@@ -224,9 +224,9 @@ RBDI_PART rbd_real rbdi_act_law_at(const rbd_motor *m, const rbdi_act_shaft *s, 
     return rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
 }
 
-/* By how much the joint's torque T at speed x is not that of the law. The speed is known to its rounding in a
-   step that begins with s->x and, of coupled shafts, to a->speed_rounding. A coupled shaft may have any torque
-   within the level of friction while it sticks: there x is rounding. */
+/* By how much the joint's torque T at speed x is not that of the law. The speed is known to its rounding in
+   a step that begins with s->x and, of coupled shafts, to a->speed_rounding. A coupled shaft may have any
+   torque within the level of friction while it sticks: there x is rounding. */
 RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
                                 const rbd_actuators *a) {
     const int sticks = s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0);

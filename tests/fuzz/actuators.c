@@ -7,9 +7,9 @@
    formulas of the header; a wheel behind a spring with play and friction, to which no step of 0.5 to 10 ms
    that settles adds energy (runs in which another one does are counted); three joints that a matrix couples,
    with friction, which takes energy and never more than its level; limbs of up to 13 joints with up to three
-   transmissions and any springs, friction and drives, of which those that slide gain no energy; a table with
-   one field that is NaN, infinite, 1e30 or -1, which is refused by that name. Prints a line. Fails if anything
-   is wrong, or if more than one in 5000 steps does not settle. */
+   transmissions and any springs, friction and drives, whose energy does not grow if they slide; a table with
+   one field that is NaN, infinite, 1e30 or -1, which is refused by that name. Prints a line. Fails if
+   anything is wrong, or if more than one in 5000 steps does not settle. */
 #define RBD_IMPLEMENTATION
 #include "rbd_actuator.h"
 #include "rbd_contact.h"
@@ -387,7 +387,7 @@ static void try_coupled(uint64_t seed) {
 
 static const char *const letter[MOST] = {"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m"};
 
-/* A limb: joints in a row or a tree, some of which transmissions move. Those of one kind all slide or all turn. */
+/* A limb: joints in a row or a tree, which all slide or all turn. Transmissions move some of them. */
 typedef struct limb {
     int n, coupled, groups, turns, driven; /* joints, of which so many have transmissions */
     double dt;
@@ -500,8 +500,7 @@ static double by_volt(const rbd_motor *m) {
     return m->by_voltage ? fabs((double)m->gear * (double)m->constant) / (double)m->resistance : 1;
 }
 
-/* Energy of a drive that holds its command's angle, which is the work that a spring kp takes whose torque its limits
-   cut. */
+/* Energy of a drive that holds its command's angle: of a spring kp whose torque its limits cut. */
 static double energy_of_drive(const rbd_motor *m, const rbd_command *c, double angle) {
     const double kp = (double)c->kp * by_volt(m), off = fabs((double)c->q - angle);
     const double constant = fabs((double)m->gear * (double)m->constant);
@@ -521,8 +520,8 @@ static double lent_by_damping(const limb *l, int i, double speed) {
     return l->dt * damping * speed * speed / 8;
 }
 
-/* Energy of shaft i beyond that of the bodies. Adds to *terms what its differences are made of. The torques of
-   coupled joints are rounded by the damping that they are told. */
+/* Energy of shaft i beyond that of the bodies. Adds to *terms what its differences are made of. The torques
+   of coupled joints are rounded by the damping that they are told. */
 static double energy_of_shaft(limb *l, int i, double joint_angle, double joint_speed, double *terms) {
     const rbd_motor *m = &l->motors[i];
     const double J = (double)m->gear * (double)m->gear * (double)m->inertia, k = (double)m->stiffness;
@@ -565,8 +564,8 @@ static double energy_of_limb(limb *l, double *terms) {
     return energy;
 }
 
-/* Joints that slide have a constant mass: no step that settles adds energy to theirs. Some that turn become so
-   quick that rbd_contact_step, which takes what is square in the speeds as constant, is no step any more. */
+/* Joints that slide have a constant mass: no step that settles adds energy to theirs. Some that turn become
+   so quick that rbd_contact_step, which takes what is square in the speeds as constant, is no step. */
 static void try_limb(uint64_t seed) {
     limb l;
     double terms = 0;
