@@ -1192,19 +1192,26 @@ RBDI_INLINE rbd_real rbdi_act_side(const rbd_gear_friction *f, rbd_real x) {
     return rbdi_act_clamp(x / f->still, rbdi_set(RBD_C(-1)), rbdi_set(RBD_C(1)));
 }
 
+/* Of the shaft in the mapped state, where the joints ask for this torque and acceleration. */
+RBDI_LOCAL void rbdi_act_invert_at(const rbd_actuators *a, int i, rbd_real torque, rbd_real acceleration,
+                                   rbd_drive *drives) {
+    const rbdi_act_shaft *s = &a->shaft[i];
+    rbdi_act_wanted want;
+    want.torque = torque;
+    want.speed = s->x;
+    want.acceleration = acceleration;
+    want.side = rbdi_act_side(&a->motor[i].friction, s->x);
+    rbdi_act_invert_shaft(&a->motor[i], s, &want, a->air, &drives[i]);
+}
+
 /* The shafts of a transmission: t = G^-T tau, x' = G v' + bias. */
 RBDI_LOCAL void rbdi_act_invert_group(const rbd_actuators *a, const rbdi_act_group *g, const rbd_real *acc,
                                       const rbd_real *tau, rbd_drive *drives) {
     for (int i = 0; i < g->n; ++i) {
-        const rbdi_act_shaft *s = &a->shaft[g->first + i];
-        const rbd_motor *m = &a->motor[g->first + i];
-        rbdi_act_wanted want;
-        want.torque = rbdi_zero();
-        want.speed = s->x;
-        want.acceleration = s->bias + rbdi_act_shaft_speed(g, i, acc);
-        want.side = rbdi_act_side(&m->friction, s->x);
-        for (int j = 0; j < g->n; ++j) want.torque = want.torque + g->inverse[g->n * j + i] * tau[g->dof[j]];
-        rbdi_act_invert_shaft(m, s, &want, a->air, &drives[g->first + i]);
+        const rbd_real acceleration = a->shaft[g->first + i].bias + rbdi_act_shaft_speed(g, i, acc);
+        rbd_real torque = rbdi_zero();
+        for (int j = 0; j < g->n; ++j) torque = torque + g->inverse[g->n * j + i] * tau[g->dof[j]];
+        rbdi_act_invert_at(a, g->first + i, torque, acceleration, drives);
     }
 }
 
@@ -1218,14 +1225,8 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
     if (!rbdi_act_all_moderate(acc, a->nv) || !rbdi_act_all_moderate(tau, a->nv)) return RBD_ERR_NAN;
 
     for (int i = 0; i < a->n; ++i) {
-        const rbdi_act_shaft *s = &a->shaft[i];
-        rbdi_act_wanted want;
-        if (s->dof < 0) continue;
-        want.torque = tau[s->dof];
-        want.speed = s->x;
-        want.acceleration = acc[s->dof];
-        want.side = rbdi_act_side(&a->motor[i].friction, s->x);
-        rbdi_act_invert_shaft(&a->motor[i], s, &want, a->air, &drives[i]);
+        const int dof = a->shaft[i].dof;
+        if (dof >= 0) rbdi_act_invert_at(a, i, tau[dof], acc[dof], drives);
     }
     for (int i = 0; i < a->groups; ++i) rbdi_act_invert_group(a, &a->group[i], acc, tau, drives);
     return RBD_OK;
@@ -1355,14 +1356,22 @@ typedef struct rbdi_act_spring {
     rbd_real p, slope, y;
 } rbdi_act_spring;
 
+/* K of [laws of shafts]: what the spring's torque gains in a step by each rad/s. */
+RBDI_INLINE rbd_real rbdi_act_spring_slope(const rbd_motor *m, rbd_real dt) {
+    return dt * m->stiffness + m->damping;
+}
+
+/* How far the spring is wound beyond the play, on its side 1 or -1. */
+RBDI_INLINE rbd_real rbdi_act_wound(const rbd_motor *m, const rbdi_act_shaft *s, int side) {
+    return s->angle - s->phi - (rbd_real)side * (m->backlash / 2);
+}
+
 /* The spring where the rotor's speed would be r + x_m without it, and falls by e for each unit of p. */
 RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real r, rbd_real e,
                                  rbd_real dt) {
-    const rbd_real delta = s->angle - s->phi;
-    const rbd_real half = m->backlash / 2;
-    const rbd_real K = dt * m->stiffness + m->damping;
-    const rbd_real up = dt * (m->stiffness * (delta - half) + K * r) / (1 + dt * K * e);
-    const rbd_real down = dt * (m->stiffness * (delta + half) + K * r) / (1 + dt * K * e);
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
+    const rbd_real up = dt * (m->stiffness * rbdi_act_wound(m, s, 1) + K * r) / (1 + dt * K * e);
+    const rbd_real down = dt * (m->stiffness * rbdi_act_wound(m, s, -1) + K * r) / (1 + dt * K * e);
     return up > 0 ? up : down < 0 ? down : rbdi_zero();
 }
 
@@ -1376,8 +1385,8 @@ RBDI_PART rbd_real rbdi_act_meshed_speed(const rbd_motor *m, const rbdi_act_shaf
                                          const rbdi_act_spring *spring, rbd_real given, rbd_real J_t,
                                          rbd_real x_m, rbd_real dt) {
     const int side = rbdi_act_sign(spring->p);
-    const rbd_real wound = s->angle - s->phi - (rbd_real)side * (m->backlash / 2);
-    const rbd_real K = dt * m->stiffness + m->damping;
+    const rbd_real wound = rbdi_act_wound(m, s, side);
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
     return side ? (given + dt * (K * x_m - m->stiffness * wound)) / (J_t + dt * K) : given / J_t;
 }
 
@@ -1389,7 +1398,7 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_
     const rbd_real braking = line.braking + s->cogging_slope;
     const rbd_real J = rbdi_act_rotor_inertia(m);
     const rbd_real J_t = J + dt * (braking + m->friction.viscous);
-    const rbd_real K = dt * m->stiffness + m->damping;
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
     const rbd_real given = J * s->speed + dt * t;
     rbdi_act_spring spring;
 
@@ -1482,7 +1491,7 @@ RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, co
     const rbdi_act_piece law = rbdi_act_law(m, s, s->next, a);
     const rbd_real wound = rbdi_abs(s->angle - s->phi) + m->backlash;
     const rbd_real speeds = rbdi_abs(s->x) + rbdi_abs(s->next) + rbdi_abs(s->speed);
-    const rbd_real K = a->dt * m->stiffness + m->damping;
+    const rbd_real K = rbdi_act_spring_slope(m, a->dt);
     rbd_real size = rbdi_abs(law.start) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) +
                     rbdi_abs(s->t) + rbdi_abs(s->cogging) + s->level + RBDI_ACTUATOR_NOTHING;
     if (K > 0) size = size + law.slope / (a->share * K) * (m->stiffness * wound + K * speeds);

@@ -125,14 +125,22 @@ typedef struct rbdi_act_spring {
     rbd_real p, slope, y;
 } rbdi_act_spring;
 
+/* K of [laws of shafts]: what the spring's torque gains in a step by each rad/s. */
+RBDI_INLINE rbd_real rbdi_act_spring_slope(const rbd_motor *m, rbd_real dt) {
+    return dt * m->stiffness + m->damping;
+}
+
+/* How far the spring is wound beyond the play, on its side 1 or -1. */
+RBDI_INLINE rbd_real rbdi_act_wound(const rbd_motor *m, const rbdi_act_shaft *s, int side) {
+    return s->angle - s->phi - (rbd_real)side * (m->backlash / 2);
+}
+
 /* The spring where the rotor's speed would be r + x_m without it, and falls by e for each unit of p. */
 RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real r, rbd_real e,
                                  rbd_real dt) {
-    const rbd_real delta = s->angle - s->phi;
-    const rbd_real half = m->backlash / 2;
-    const rbd_real K = dt * m->stiffness + m->damping;
-    const rbd_real up = dt * (m->stiffness * (delta - half) + K * r) / (1 + dt * K * e);
-    const rbd_real down = dt * (m->stiffness * (delta + half) + K * r) / (1 + dt * K * e);
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
+    const rbd_real up = dt * (m->stiffness * rbdi_act_wound(m, s, 1) + K * r) / (1 + dt * K * e);
+    const rbd_real down = dt * (m->stiffness * rbdi_act_wound(m, s, -1) + K * r) / (1 + dt * K * e);
     return up > 0 ? up : down < 0 ? down : rbdi_zero();
 }
 
@@ -146,8 +154,8 @@ RBDI_PART rbd_real rbdi_act_meshed_speed(const rbd_motor *m, const rbdi_act_shaf
                                          const rbdi_act_spring *spring, rbd_real given, rbd_real J_t,
                                          rbd_real x_m, rbd_real dt) {
     const int side = rbdi_act_sign(spring->p);
-    const rbd_real wound = s->angle - s->phi - (rbd_real)side * (m->backlash / 2);
-    const rbd_real K = dt * m->stiffness + m->damping;
+    const rbd_real wound = rbdi_act_wound(m, s, side);
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
     return side ? (given + dt * (K * x_m - m->stiffness * wound)) / (J_t + dt * K) : given / J_t;
 }
 
@@ -159,7 +167,7 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_
     const rbd_real braking = line.braking + s->cogging_slope;
     const rbd_real J = rbdi_act_rotor_inertia(m);
     const rbd_real J_t = J + dt * (braking + m->friction.viscous);
-    const rbd_real K = dt * m->stiffness + m->damping;
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
     const rbd_real given = J * s->speed + dt * t;
     rbdi_act_spring spring;
 
@@ -252,7 +260,7 @@ RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, co
     const rbdi_act_piece law = rbdi_act_law(m, s, s->next, a);
     const rbd_real wound = rbdi_abs(s->angle - s->phi) + m->backlash;
     const rbd_real speeds = rbdi_abs(s->x) + rbdi_abs(s->next) + rbdi_abs(s->speed);
-    const rbd_real K = a->dt * m->stiffness + m->damping;
+    const rbd_real K = rbdi_act_spring_slope(m, a->dt);
     rbd_real size = rbdi_abs(law.start) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) +
                     rbdi_abs(s->t) + rbdi_abs(s->cogging) + s->level + RBDI_ACTUATOR_NOTHING;
     if (K > 0) size = size + law.slope / (a->share * K) * (m->stiffness * wound + K * speeds);
