@@ -523,6 +523,28 @@ static void check_stopping(void) {
     expect(most <= 5, "repeats of a shaft that stops", most);
 }
 
+/* The phase of cogging is an angle of the shaft: turned by it, the motion is the same. */
+static void check_phase(void) {
+    rbd_motor motor = {.joint = "axle", .gear = 10, .constant = 1, .teeth = 4, .cogging = RBD_C(0.05)};
+    const rbd_command none = {0};
+    const rbd_real other[1] = {0};
+    double worst = 0;
+    for (int k = 0; k < 20; k++) {
+        const rbd_real at = draw(-1, 1), speed = draw(1, 2);
+        double end[2];
+        for (int turned = 0; turned < 2; turned++) {
+            rbd_real q[1] = {turned ? at - RBD_C(0.03) : at}, v[1] = {speed};
+            motor.phase = turned ? RBD_C(1.2) : 0;
+            build(wheel, 1, &motor, 1, NULL, 0);
+            expect(rbd_actuators_reset(a, q, 25) == RBD_OK, "reset", k);
+            for (int n = 0; n < 200; n++) step(&none, other, q, v, RBD_C(1e-2));
+            end[turned] = (double)v[0];
+        }
+        worst = larger(worst, fabs(end[1] - end[0]));
+    }
+    expect(worst < bound(1e-10, 1e-2), "phase of cogging", worst);
+}
+
 /* A model with what this program has not. */
 static void check_other_features(void) {
     static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1};
@@ -557,6 +579,7 @@ int main(void) {
     check_stiffening(1);
     check_search_cut_short();
     check_lines_that_meet();
+    check_phase();
     check_light_rotors();
     check_stopping();
     check_other_features();
