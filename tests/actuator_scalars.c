@@ -545,6 +545,22 @@ static void check_phase(void) {
     expect(worst < bound(1e-10, 1e-2), "phase of cogging", worst);
 }
 
+/* A limit of half a newton metre cuts each larger torque to it, with its sign. */
+static void check_small_limit(void) {
+    static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1, .current = RBD_C(0.5)};
+    const rbd_real other[1] = {0};
+    build(wheel, 1, &motor, 1, NULL, 0);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const rbd_command c = {.torque = RBD_C(0.8) * (rbd_real)sign};
+        rbd_real q[1] = {0}, v[1] = {0};
+        rbd_actuator_state s;
+        step(&c, other, q, v, RBD_C(1e-2));
+        rbd_actuators_get(a, 0, &s);
+        expect(fabs((double)s.motor - 0.5 * sign) < 1e-6 && s.saturated == sign, "small limit",
+               (double)s.motor);
+    }
+}
+
 /* A model with what this program has not. */
 static void check_other_features(void) {
     static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1};
@@ -580,6 +596,7 @@ int main(void) {
     check_search_cut_short();
     check_lines_that_meet();
     check_phase();
+    check_small_limit();
     check_light_rotors();
     check_stopping();
     check_other_features();
