@@ -49,15 +49,16 @@
      RBD_REPRODUCIBLE.
 
    [limits]
-     A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), in the step in which it
-     turns back by a thousandth of its speed, or gives way as its bristle says. The level of friction is that
-     of the state before a step, and of the loads of the last one. Steps settle by repeats, of which there are
-     50 at most. Cogging gives its own height of energy at most while teeth gear^2 cogging dt^2 is below twice
-     the inertia that the shaft moves, and a drive's kd up to dt kd v^2 / 8, v the speed before, in a step of
-     second order in which a shaft turns around. Not here: inductance, whose time constant is a millisecond or
-     less, and the dynamics of the current's loop, rods with mass, tendons with slack, hysteresis of
-     strain-wave gears, friction by temperature. That actuators belong to another robot cannot be seen: no
-     call but the first takes a model.
+     A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), in the step that stops
+     it also by a rounding of its speed, 2e-15 of it (float: 1e-6), in the step in which it turns back by a
+     thousandth, or gives way as its bristle says. The level of friction is that of the state before a step,
+     and of the loads of the last one. Steps settle by repeats, of which there are 50 at most: then the last
+     speeds count, which are finite, and some shaft has not the torque of its law. Cogging gives its own
+     height of energy at most while teeth gear^2 cogging dt^2 is below twice the inertia that the shaft moves,
+     and a drive's kd up to dt kd v^2 / 8, v the speed before, in a step of second order in which a shaft
+     turns around. Not here: inductance, whose time constant is a millisecond or less, and the dynamics of the
+     current's loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by
+     temperature. That actuators belong to another robot cannot be seen: no call but the first takes a model.
 */
 #include "rbd.h"
 
@@ -416,6 +417,7 @@ RBDI_EXTERN_C_END
 #define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)      /* degrees: no winding gets there */
 #define RBDI_ACTUATOR_WARM RBD_C(25)          /* degrees at which resistances are given */
 #define RBDI_ACTUATOR_ROUNDING (8 * RBDI_EPS) /* of the size of a sum: a law adds up about eight terms */
+#define RBDI_ACTUATOR_NOTHING RBD_C(1e-9)     /* N m: torques round as this one at least */
 #define RBDI_ACTUATOR_ACROSS 14           /* times the square of its rounding: a change of speeds above it */
 #define RBDI_ACTUATOR_TELLING RBD_C(1e-7) /* of its work: what a repeat must tell beside those before it */
 #if RBDI_KIND(RBD_CONST) == 2
@@ -1190,19 +1192,26 @@ RBDI_INLINE rbd_real rbdi_act_side(const rbd_gear_friction *f, rbd_real x) {
     return rbdi_act_clamp(x / f->still, rbdi_set(RBD_C(-1)), rbdi_set(RBD_C(1)));
 }
 
+/* Of the shaft in the mapped state, where the joints ask for this torque and acceleration. */
+RBDI_LOCAL void rbdi_act_invert_at(const rbd_actuators *a, int i, rbd_real torque, rbd_real acceleration,
+                                   rbd_drive *drives) {
+    const rbdi_act_shaft *s = &a->shaft[i];
+    rbdi_act_wanted want;
+    want.torque = torque;
+    want.speed = s->x;
+    want.acceleration = acceleration;
+    want.side = rbdi_act_side(&a->motor[i].friction, s->x);
+    rbdi_act_invert_shaft(&a->motor[i], s, &want, a->air, &drives[i]);
+}
+
 /* The shafts of a transmission: t = G^-T tau, x' = G v' + bias. */
 RBDI_LOCAL void rbdi_act_invert_group(const rbd_actuators *a, const rbdi_act_group *g, const rbd_real *acc,
                                       const rbd_real *tau, rbd_drive *drives) {
     for (int i = 0; i < g->n; ++i) {
-        const rbdi_act_shaft *s = &a->shaft[g->first + i];
-        const rbd_motor *m = &a->motor[g->first + i];
-        rbdi_act_wanted want;
-        want.torque = rbdi_zero();
-        want.speed = s->x;
-        want.acceleration = s->bias + rbdi_act_shaft_speed(g, i, acc);
-        want.side = rbdi_act_side(&m->friction, s->x);
-        for (int j = 0; j < g->n; ++j) want.torque = want.torque + g->inverse[g->n * j + i] * tau[g->dof[j]];
-        rbdi_act_invert_shaft(m, s, &want, a->air, &drives[g->first + i]);
+        const rbd_real acceleration = a->shaft[g->first + i].bias + rbdi_act_shaft_speed(g, i, acc);
+        rbd_real torque = rbdi_zero();
+        for (int j = 0; j < g->n; ++j) torque = torque + g->inverse[g->n * j + i] * tau[g->dof[j]];
+        rbdi_act_invert_at(a, g->first + i, torque, acceleration, drives);
     }
 }
 
@@ -1216,14 +1225,8 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
     if (!rbdi_act_all_moderate(acc, a->nv) || !rbdi_act_all_moderate(tau, a->nv)) return RBD_ERR_NAN;
 
     for (int i = 0; i < a->n; ++i) {
-        const rbdi_act_shaft *s = &a->shaft[i];
-        rbdi_act_wanted want;
-        if (s->dof < 0) continue;
-        want.torque = tau[s->dof];
-        want.speed = s->x;
-        want.acceleration = acc[s->dof];
-        want.side = rbdi_act_side(&a->motor[i].friction, s->x);
-        rbdi_act_invert_shaft(&a->motor[i], s, &want, a->air, &drives[i]);
+        const int dof = a->shaft[i].dof;
+        if (dof >= 0) rbdi_act_invert_at(a, i, tau[dof], acc[dof], drives);
     }
     for (int i = 0; i < a->groups; ++i) rbdi_act_invert_group(a, &a->group[i], acc, tau, drives);
     return RBD_OK;
@@ -1292,6 +1295,11 @@ RBDI_INLINE rbdi_act_turning rbdi_act_turning_at(const rbd_actuators *a, const r
     return turning;
 }
 
+/* How well a step that begins with the shaft's speed tells the speed of its end. */
+RBDI_INLINE rbd_real rbdi_act_speed_rounding(const rbdi_act_shaft *s) {
+    return RBDI_ACTUATOR_ROUNDING * rbdi_abs(s->x);
+}
+
 /* The dry friction of a rigid shaft at speed x. */
 RBDI_PART rbdi_act_piece rbdi_act_dry(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
                                       const rbd_actuators *a) {
@@ -1302,7 +1310,8 @@ RBDI_PART rbdi_act_piece rbdi_act_dry(const rbd_motor *m, const rbdi_act_shaft *
         dry.start = -(s->bristle + m->friction.bristle * a->dt * (1 - a->share) * s->x);
         dry.slope = m->friction.bristle * a->dt * a->share;
     } else {
-        const rbd_real width = RBDI_ACTUATOR_CREEP + RBDI_ACTUATOR_BEND * rbdi_abs(turning.still);
+        const rbd_real width =
+            RBDI_ACTUATOR_CREEP + rbdi_act_speed_rounding(s) + RBDI_ACTUATOR_BEND * rbdi_abs(turning.still);
         dry.slope = turning.coasts ? rbdi_zero() : s->level / width;
         dry.start = dry.slope * turning.still;
     }
@@ -1347,15 +1356,38 @@ typedef struct rbdi_act_spring {
     rbd_real p, slope, y;
 } rbdi_act_spring;
 
+/* K of [laws of shafts]: what the spring's torque gains in a step by each rad/s. */
+RBDI_INLINE rbd_real rbdi_act_spring_slope(const rbd_motor *m, rbd_real dt) {
+    return dt * m->stiffness + m->damping;
+}
+
+/* How far the spring is wound beyond the play, on its side 1 or -1. */
+RBDI_INLINE rbd_real rbdi_act_wound(const rbd_motor *m, const rbdi_act_shaft *s, int side) {
+    return s->angle - s->phi - (rbd_real)side * (m->backlash / 2);
+}
+
 /* The spring where the rotor's speed would be r + x_m without it, and falls by e for each unit of p. */
 RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real r, rbd_real e,
                                  rbd_real dt) {
-    const rbd_real delta = s->angle - s->phi;
-    const rbd_real half = m->backlash / 2;
-    const rbd_real K = dt * m->stiffness + m->damping;
-    const rbd_real up = dt * (m->stiffness * (delta - half) + K * r) / (1 + dt * K * e);
-    const rbd_real down = dt * (m->stiffness * (delta + half) + K * r) / (1 + dt * K * e);
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
+    const rbd_real up = dt * (m->stiffness * rbdi_act_wound(m, s, 1) + K * r) / (1 + dt * K * e);
+    const rbd_real down = dt * (m->stiffness * rbdi_act_wound(m, s, -1) + K * r) / (1 + dt * K * e);
     return up > 0 ? up : down < 0 ? down : rbdi_zero();
+}
+
+/* The speed y of a rotor that gets the impulse `given` and gives p to the spring: with w, what the spring is
+   wound,
+
+       J_t y = given - p,   p = dt (k w + K (y - x_m))
+
+   If it is light and the spring is stiff, the difference given - p is rounding. So p is put in. */
+RBDI_PART rbd_real rbdi_act_meshed_speed(const rbd_motor *m, const rbdi_act_shaft *s,
+                                         const rbdi_act_spring *spring, rbd_real given, rbd_real J_t,
+                                         rbd_real x_m, rbd_real dt) {
+    const int side = rbdi_act_sign(spring->p);
+    const rbd_real wound = rbdi_act_wound(m, s, side);
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
+    return side ? (given + dt * (K * x_m - m->stiffness * wound)) / (J_t + dt * K) : given / J_t;
 }
 
 /* The spring's law at the speed x of the joint's side, if this is the motor's line. */
@@ -1366,7 +1398,7 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_
     const rbd_real braking = line.braking + s->cogging_slope;
     const rbd_real J = rbdi_act_rotor_inertia(m);
     const rbd_real J_t = J + dt * (braking + m->friction.viscous);
-    const rbd_real K = dt * m->stiffness + m->damping;
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
     const rbd_real given = J * s->speed + dt * t;
     rbdi_act_spring spring;
 
@@ -1377,7 +1409,7 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_
         const rbd_real friction = spring.p > given ? most : -most;
         spring.slope = K / (1 + dt * K / J_t);
         spring.p = rbdi_act_mesh(m, s, (given + friction) / J_t - x_m, 1 / J_t, dt);
-        spring.y = (given + friction - spring.p) / J_t;
+        spring.y = rbdi_act_meshed_speed(m, s, &spring, given + friction, J_t, x_m, dt);
     }
     if (!(rbdi_abs(spring.p) > 0)) spring.slope = rbdi_zero();
     return spring;
@@ -1431,16 +1463,16 @@ RBDI_PART rbd_real rbdi_act_law_at(const rbd_motor *m, const rbdi_act_shaft *s, 
     return rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
 }
 
-/* By how much the joint's torque T at speed x is not that of the law, where the speed is known to
-   a->speed_rounding. A coupled shaft may have any torque within the level of friction while it sticks: there
-   x is rounding. */
+/* By how much the joint's torque T at speed x is not that of the law. The speed is known to its rounding in
+   a step that begins with s->x and, of coupled shafts, to a->speed_rounding. A coupled shaft may have any
+   torque within the level of friction while it sticks: there x is rounding. */
 RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
                                 const rbd_actuators *a) {
     const int sticks = s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0);
     const rbd_real creep = sticks ? RBDI_ACTUATOR_CREEP * (1 + s->scale) : rbdi_zero();
-    const rbd_real slower = x - a->speed_rounding, faster = x + a->speed_rounding;
+    const rbd_real rounding = a->speed_rounding + rbdi_act_speed_rounding(s);
+    const rbd_real slower = x - rounding, faster = x + rounding;
     rbd_real least, most;
-    if (!(a->speed_rounding > 0)) return T - rbdi_act_law_at(m, s, x, a);
     if (!sticks) {
         least = rbdi_act_law_at(m, s, faster, a);
         most = rbdi_act_law_at(m, s, slower, a);
@@ -1459,9 +1491,9 @@ RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, co
     const rbdi_act_piece law = rbdi_act_law(m, s, s->next, a);
     const rbd_real wound = rbdi_abs(s->angle - s->phi) + m->backlash;
     const rbd_real speeds = rbdi_abs(s->x) + rbdi_abs(s->next) + rbdi_abs(s->speed);
-    const rbd_real K = a->dt * m->stiffness + m->damping;
+    const rbd_real K = rbdi_act_spring_slope(m, a->dt);
     rbd_real size = rbdi_abs(law.start) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) +
-                    rbdi_abs(s->t) + rbdi_abs(s->cogging) + s->level + RBD_C(1e-20);
+                    rbdi_abs(s->t) + rbdi_abs(s->cogging) + s->level + RBDI_ACTUATOR_NOTHING;
     if (K > 0) size = size + law.slope / (a->share * K) * (m->stiffness * wound + K * speeds);
     return size;
 }
@@ -1972,14 +2004,21 @@ RBDI_LOCAL void rbdi_act_note_speeds(rbd_actuators *a, const rbd_real *v) {
     if (a->groups > 0) rbdi_act_note_rounding(a);
 }
 
+/* By how much the torque of a shaft may differ from its law, N m: by rounding and, where it was told a slope,
+   by that of the speed. */
+RBDI_LOCAL rbd_real rbdi_act_bound(const rbd_actuators *a, int i) {
+    const rbdi_act_shaft *s = &a->shaft[i];
+    if (s->dof < 0) return RBDI_ACTUATOR_SETTLED * s->size + a->torque_rounding;
+    return RBDI_ACTUATOR_ROUNDING * rbdi_act_size(&a->motor[i], s, a) +
+           s->slope * rbdi_act_speed_rounding(s) + a->torque_rounding;
+}
+
 /* Whether all shafts have the torques of their laws at the new speeds. */
 RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
-        const rbd_motor *m = &a->motor[i];
         const rbdi_act_shaft *s = &a->shaft[i];
-        const rbd_real bound =
-            s->dof < 0 ? RBDI_ACTUATOR_SETTLED * s->size : RBDI_ACTUATOR_ROUNDING * rbdi_act_size(m, s, a);
-        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > bound + a->torque_rounding) return 0;
+        const rbd_real off = rbdi_act_off(&a->motor[i], s, s->force, s->next, a);
+        if (rbdi_abs(off) > rbdi_act_bound(a, i)) return 0;
     }
     return 1;
 }

@@ -48,15 +48,16 @@
      RBD_REPRODUCIBLE.
 
    [limits]
-     A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), in the step in which it
-     turns back by a thousandth of its speed, or gives way as its bristle says. The level of friction is that
-     of the state before a step, and of the loads of the last one. Steps settle by repeats, of which there are
-     50 at most. Cogging gives its own height of energy at most while teeth gear^2 cogging dt^2 is below twice
-     the inertia that the shaft moves, and a drive's kd up to dt kd v^2 / 8, v the speed before, in a step of
-     second order in which a shaft turns around. Not here: inductance, whose time constant is a millisecond or
-     less, and the dynamics of the current's loop, rods with mass, tendons with slack, hysteresis of
-     strain-wave gears, friction by temperature. That actuators belong to another robot cannot be seen: no
-     call but the first takes a model.
+     A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), in the step that stops
+     it also by a rounding of its speed, 2e-15 of it (float: 1e-6), in the step in which it turns back by a
+     thousandth, or gives way as its bristle says. The level of friction is that of the state before a step,
+     and of the loads of the last one. Steps settle by repeats, of which there are 50 at most: then the last
+     speeds count, which are finite, and some shaft has not the torque of its law. Cogging gives its own
+     height of energy at most while teeth gear^2 cogging dt^2 is below twice the inertia that the shaft moves,
+     and a drive's kd up to dt kd v^2 / 8, v the speed before, in a step of second order in which a shaft
+     turns around. Not here: inductance, whose time constant is a millisecond or less, and the dynamics of the
+     current's loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by
+     temperature. That actuators belong to another robot cannot be seen: no call but the first takes a model.
 */
 #include "rbd.h"
 

@@ -485,6 +485,82 @@ static void check_lines_that_meet(void) {
     expect(worst < bound(1e-14, 1e-5), "speed where lines meet", worst);
 }
 
+/* A light rotor that slides on a stiff spring: at the step's end the spring has the torque of its winding. */
+static void check_light_rotors(void) {
+    rbd_motor motor = {.joint = "axle", .gear = 10, .constant = 1, .stiffness = RBD_C(1e8)};
+    const rbd_command none = {0};
+    double worst = 0;
+    for (int k = 0; k < 2000; k++) {
+        const rbd_real other[1] = {0}, dt = draw(1e-3, 1e-2);
+        rbd_real q[1] = {draw(-1, 1)}, v[1] = {draw(2, 5)};
+        rbd_actuator_state s;
+        motor.inertia = (rbd_const)(1e-2 * pow(10, (double)draw(-6, -2)));
+        motor.friction.coulomb = draw(1, 10);
+        build(wheel, 1, &motor, 1, NULL, 0);
+        expect(rbd_actuators_reset(a, q, 25) == RBD_OK, "reset", k);
+        step(&none, other, q, v, dt);
+        rbd_actuators_get(a, 0, &s);
+        worst = larger(worst, fabs((double)s.angle - (double)q[0] - (double)s.joint / 1e8));
+        expect(s.speed > RBD_C(0.5), "it does not slide", (double)s.speed);
+    }
+    expect(worst < bound(1e-14, 1e-6), "winding of a stiff spring", worst);
+}
+
+/* A shaft that its friction stops within a step settles at once, whatever its speed was. */
+static void check_stopping(void) {
+    static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1, .friction = {.coulomb = 200}};
+    const rbd_command none = {0};
+    const rbd_real other[1] = {0};
+    int most = 0;
+    build(wheel, 1, &motor, 1, NULL, 0);
+    for (int k = 0; k < 5000; k++) {
+        rbd_real q[1] = {0}, v[1] = {draw(-20, 20)};
+        const double creep = bound(1e-9, 1e-6) + bound(1e-14, 1e-5) * fabs((double)v[0]);
+        const int repeats = step(&none, other, q, v, RBD_C(1e-2));
+        if (repeats > most) most = repeats;
+        expect(fabs((double)v[0]) <= creep, "a shaft that stops creeps", (double)v[0]);
+    }
+    expect(most <= 5, "repeats of a shaft that stops", most);
+}
+
+/* The phase of cogging is an angle of the shaft: turned by it, the motion is the same. */
+static void check_phase(void) {
+    rbd_motor motor = {.joint = "axle", .gear = 10, .constant = 1, .teeth = 4, .cogging = RBD_C(0.05)};
+    const rbd_command none = {0};
+    const rbd_real other[1] = {0};
+    double worst = 0;
+    for (int k = 0; k < 20; k++) {
+        const rbd_real at = draw(-1, 1), speed = draw(1, 2);
+        double end[2];
+        for (int turned = 0; turned < 2; turned++) {
+            rbd_real q[1] = {turned ? at - RBD_C(0.03) : at}, v[1] = {speed};
+            motor.phase = turned ? RBD_C(1.2) : 0;
+            build(wheel, 1, &motor, 1, NULL, 0);
+            expect(rbd_actuators_reset(a, q, 25) == RBD_OK, "reset", k);
+            for (int n = 0; n < 200; n++) step(&none, other, q, v, RBD_C(1e-2));
+            end[turned] = (double)v[0];
+        }
+        worst = larger(worst, fabs(end[1] - end[0]));
+    }
+    expect(worst < bound(1e-10, 1e-2), "phase of cogging", worst);
+}
+
+/* A limit of half a newton metre cuts each larger torque to it, with its sign. */
+static void check_small_limit(void) {
+    static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1, .current = RBD_C(0.5)};
+    const rbd_real other[1] = {0};
+    build(wheel, 1, &motor, 1, NULL, 0);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const rbd_command c = {.torque = RBD_C(0.8) * (rbd_real)sign};
+        rbd_real q[1] = {0}, v[1] = {0};
+        rbd_actuator_state s;
+        step(&c, other, q, v, RBD_C(1e-2));
+        rbd_actuators_get(a, 0, &s);
+        expect(fabs((double)s.motor - 0.5 * sign) < 1e-6 && s.saturated == sign, "small limit",
+               (double)s.motor);
+    }
+}
+
 /* A model with what this program has not. */
 static void check_other_features(void) {
     static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1};
@@ -519,6 +595,10 @@ int main(void) {
     check_stiffening(1);
     check_search_cut_short();
     check_lines_that_meet();
+    check_phase();
+    check_small_limit();
+    check_light_rotors();
+    check_stopping();
     check_other_features();
     printf("%s\n", failures ? "FAILED" : "rbd_actuator.h: ok");
     return failures > 0;

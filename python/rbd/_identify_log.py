@@ -11,7 +11,8 @@ import numpy as np
 
 from ._arguments import _Declared
 from ._headers import JointType
-from ._identify import IdentifyError, Log, described_parameters, predict, scale_of, smooth, steady, together, told
+from ._identify import (IdentifyError, Log, described_parameters, kernels, predict, scale_of, smooth, steady, together,
+                        told)
 
 KINDS = ("q", "v", "tau", "current")
 
@@ -199,6 +200,9 @@ def torques_of(path, columns, model, reading):
         if joint in measured:
             torques[:, i] = columns.get(f"tau:{joint}", columns.get(f"current:{joint}")) * constants.get(joint, 1)
             check_effort(path, joint, torques[:, i], model.joint(joint).effort)
+            if len(torques) and (torques[:, i] == torques[0, i]).all():
+                raise IdentifyError(f"{path}: the torque of joint '{joint}' is {torques[0, i]:.4g} in all samples: was it logged? If "
+                                    f"not: --without '{joint}'")
     return torques
 
 
@@ -234,20 +238,36 @@ def check_signs(path, model, log, slow):
     return notes
 
 
+ROUGH = 0.1    # of the accelerations, if it is noise: inertias are off by its square, a hundredth
+
+
+def rough(path, model, log, rest, dt, samples):
+    """Sentences about joints whose position is so rough that noise is a part of the accelerations. rest: what the filter takes from
+    the positions; 0 where it does not make the accelerations."""
+    rows, half = kernels(samples)
+    noise = np.sqrt(np.mean(rest ** 2, axis=0)) * np.linalg.norm(rows[2]) * 2 / (half * dt) ** 2
+    share = noise / np.maximum(np.sqrt(np.mean(log.a ** 2, axis=0)), 1e-300)
+    return [f"{path}: column 'q:{model.dof_names[i]}' is rough: noise is {share[i]:.0%} of the accelerations, and makes inertias off by "
+            f"{share[i] ** 2:.0%}, which no deviation includes. Take a longer --window" for i in np.flatnonzero(share > ROUGH)]
+
+
 # ---- the log ----
 
 def filtered(path, columns, piece, positions, torques, cut, model, dt, samples):
-    """One piece: positions, velocities, accelerations, torques, and where they tell something."""
+    """One piece: positions, velocities, accelerations, torques, and where they tell something; and what the filter takes from the
+    positions that make the accelerations."""
     q, v, a = smooth(positions[piece], dt, samples)
+    half = (len(positions[piece]) - len(q)) // 2
+    rest = positions[piece][half:half + len(q)] - q
     for i, joint in enumerate(model.dof_names):
         check_rate(path, joint, v[:, i], model.joint(joint).velocity)
         if f"v:{joint}" not in columns:
             continue
         measured, slope, _ = smooth(columns[f"v:{joint}"][piece][:, None], dt, samples)
         check_speed(path, joint, measured[:, 0], v[:, i])
-        v[:, i], a[:, i] = measured[:, 0], slope[:, 0]
+        v[:, i], a[:, i], rest[:, i] = measured[:, 0], slope[:, 0], 0
     near_cut = np.lib.stride_tricks.sliding_window_view(cut[piece], len(cut[piece]) - len(q) + 1, axis=0).any(axis=2)
-    return q, v, a, smooth(torques[piece], dt, samples)[0], steady(v, samples) & ~near_cut
+    return q, v, a, smooth(torques[piece], dt, samples)[0], steady(v, samples) & ~near_cut, rest
 
 
 def read_log(path, model, reading=None, show=print):
@@ -270,7 +290,9 @@ def read_log(path, model, reading=None, show=print):
               f"{cut[:, i].sum()} samples: is it cut off? They do not count" for i in np.flatnonzero(cut.any(axis=0))]
 
     parts = [filtered(path, columns, piece, positions, torques, cut, model, dt, samples) for piece in pieces]
-    log = Log(*(np.concatenate(arrays) for arrays in zip(*parts)), together=together(samples), without=list(without))
+    *arrays, rest = (np.concatenate(array) for array in zip(*parts))
+    log = Log(*arrays, together=together(samples), without=list(without))
+    notes += rough(path, model, log, rest, dt, samples)
     log.steady[:, [joints.index(joint) for joint in without]] = False
     log = thinned(log)
     for note in notes + check_signs(path, model, log, reading.slow):

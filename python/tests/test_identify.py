@@ -247,6 +247,29 @@ def test_a_wrong_sign_is_named(robots, tmp_path):
     assert any("look at joint 'lbr_iiwa_joint_4': " in line for line in said)
 
 
+def test_a_torque_that_was_not_logged_is_named(robots, tmp_path):
+    """A column of zeros, or of any one number."""
+    for value in (0, 3.5):
+        path = change_log(write_log(tmp_path / "log.csv", robots[1], 1, n=1000),
+                          lambda rows: [row.__setitem__(10, value) for row in rows[1:]] and None)
+        with pytest.raises(tool.IdentifyError, match=f"the torque of joint 'lbr_iiwa_joint_3' is {value} in all samples"):
+            tool.read_log(path, robots[0])
+
+
+def test_a_rough_encoder_is_named(robots, tmp_path):
+    """Of 10 bits: the deviations do not know that the accelerations are noise. One of 16 bits is fine."""
+    for bits, named in ((10, True), (16, False)):
+        path, said, step = write_log(tmp_path / "log.csv", robots[1], 1, n=2000), [], 2 * np.pi / 2 ** bits
+
+        def by_steps(rows):
+            for row in rows[1:]:
+                row[4] = step * round(float(row[4]) / step)
+
+        tool.read_log(change_log(path, by_steps), robots[0], show=said.append)
+        assert any("column 'q:lbr_iiwa_joint_4' is rough: noise is" in line for line in said) == named
+        assert not any("'q:lbr_iiwa_joint_2' is rough" in line for line in said)
+
+
 def test_torques_of_another_size_are_named(robots, tmp_path):
     """Currents in a column of torques: 8 N m/A."""
     path = change_log(write_log(tmp_path / "log.csv", robots[1], 1, n=2000), lambda rows: scale(rows, slice(8, 15), 1 / 8))

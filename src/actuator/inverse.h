@@ -89,19 +89,26 @@ RBDI_INLINE rbd_real rbdi_act_side(const rbd_gear_friction *f, rbd_real x) {
     return rbdi_act_clamp(x / f->still, rbdi_set(RBD_C(-1)), rbdi_set(RBD_C(1)));
 }
 
+/* Of the shaft in the mapped state, where the joints ask for this torque and acceleration. */
+RBDI_LOCAL void rbdi_act_invert_at(const rbd_actuators *a, int i, rbd_real torque, rbd_real acceleration,
+                                   rbd_drive *drives) {
+    const rbdi_act_shaft *s = &a->shaft[i];
+    rbdi_act_wanted want;
+    want.torque = torque;
+    want.speed = s->x;
+    want.acceleration = acceleration;
+    want.side = rbdi_act_side(&a->motor[i].friction, s->x);
+    rbdi_act_invert_shaft(&a->motor[i], s, &want, a->air, &drives[i]);
+}
+
 /* The shafts of a transmission: t = G^-T tau, x' = G v' + bias. */
 RBDI_LOCAL void rbdi_act_invert_group(const rbd_actuators *a, const rbdi_act_group *g, const rbd_real *acc,
                                       const rbd_real *tau, rbd_drive *drives) {
     for (int i = 0; i < g->n; ++i) {
-        const rbdi_act_shaft *s = &a->shaft[g->first + i];
-        const rbd_motor *m = &a->motor[g->first + i];
-        rbdi_act_wanted want;
-        want.torque = rbdi_zero();
-        want.speed = s->x;
-        want.acceleration = s->bias + rbdi_act_shaft_speed(g, i, acc);
-        want.side = rbdi_act_side(&m->friction, s->x);
-        for (int j = 0; j < g->n; ++j) want.torque = want.torque + g->inverse[g->n * j + i] * tau[g->dof[j]];
-        rbdi_act_invert_shaft(m, s, &want, a->air, &drives[g->first + i]);
+        const rbd_real acceleration = a->shaft[g->first + i].bias + rbdi_act_shaft_speed(g, i, acc);
+        rbd_real torque = rbdi_zero();
+        for (int j = 0; j < g->n; ++j) torque = torque + g->inverse[g->n * j + i] * tau[g->dof[j]];
+        rbdi_act_invert_at(a, g->first + i, torque, acceleration, drives);
     }
 }
 
@@ -115,14 +122,8 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
     if (!rbdi_act_all_moderate(acc, a->nv) || !rbdi_act_all_moderate(tau, a->nv)) return RBD_ERR_NAN;
 
     for (int i = 0; i < a->n; ++i) {
-        const rbdi_act_shaft *s = &a->shaft[i];
-        rbdi_act_wanted want;
-        if (s->dof < 0) continue;
-        want.torque = tau[s->dof];
-        want.speed = s->x;
-        want.acceleration = acc[s->dof];
-        want.side = rbdi_act_side(&a->motor[i].friction, s->x);
-        rbdi_act_invert_shaft(&a->motor[i], s, &want, a->air, &drives[i]);
+        const int dof = a->shaft[i].dof;
+        if (dof >= 0) rbdi_act_invert_at(a, i, tau[dof], acc[dof], drives);
     }
     for (int i = 0; i < a->groups; ++i) rbdi_act_invert_group(a, &a->group[i], acc, tau, drives);
     return RBD_OK;

@@ -64,6 +64,11 @@ RBDI_INLINE rbdi_act_turning rbdi_act_turning_at(const rbd_actuators *a, const r
     return turning;
 }
 
+/* How well a step that begins with the shaft's speed tells the speed of its end. */
+RBDI_INLINE rbd_real rbdi_act_speed_rounding(const rbdi_act_shaft *s) {
+    return RBDI_ACTUATOR_ROUNDING * rbdi_abs(s->x);
+}
+
 /* The dry friction of a rigid shaft at speed x. */
 RBDI_PART rbdi_act_piece rbdi_act_dry(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
                                       const rbd_actuators *a) {
@@ -74,7 +79,8 @@ RBDI_PART rbdi_act_piece rbdi_act_dry(const rbd_motor *m, const rbdi_act_shaft *
         dry.start = -(s->bristle + m->friction.bristle * a->dt * (1 - a->share) * s->x);
         dry.slope = m->friction.bristle * a->dt * a->share;
     } else {
-        const rbd_real width = RBDI_ACTUATOR_CREEP + RBDI_ACTUATOR_BEND * rbdi_abs(turning.still);
+        const rbd_real width =
+            RBDI_ACTUATOR_CREEP + rbdi_act_speed_rounding(s) + RBDI_ACTUATOR_BEND * rbdi_abs(turning.still);
         dry.slope = turning.coasts ? rbdi_zero() : s->level / width;
         dry.start = dry.slope * turning.still;
     }
@@ -119,15 +125,38 @@ typedef struct rbdi_act_spring {
     rbd_real p, slope, y;
 } rbdi_act_spring;
 
+/* K of [laws of shafts]: what the spring's torque gains in a step by each rad/s. */
+RBDI_INLINE rbd_real rbdi_act_spring_slope(const rbd_motor *m, rbd_real dt) {
+    return dt * m->stiffness + m->damping;
+}
+
+/* How far the spring is wound beyond the play, on its side 1 or -1. */
+RBDI_INLINE rbd_real rbdi_act_wound(const rbd_motor *m, const rbdi_act_shaft *s, int side) {
+    return s->angle - s->phi - (rbd_real)side * (m->backlash / 2);
+}
+
 /* The spring where the rotor's speed would be r + x_m without it, and falls by e for each unit of p. */
 RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real r, rbd_real e,
                                  rbd_real dt) {
-    const rbd_real delta = s->angle - s->phi;
-    const rbd_real half = m->backlash / 2;
-    const rbd_real K = dt * m->stiffness + m->damping;
-    const rbd_real up = dt * (m->stiffness * (delta - half) + K * r) / (1 + dt * K * e);
-    const rbd_real down = dt * (m->stiffness * (delta + half) + K * r) / (1 + dt * K * e);
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
+    const rbd_real up = dt * (m->stiffness * rbdi_act_wound(m, s, 1) + K * r) / (1 + dt * K * e);
+    const rbd_real down = dt * (m->stiffness * rbdi_act_wound(m, s, -1) + K * r) / (1 + dt * K * e);
     return up > 0 ? up : down < 0 ? down : rbdi_zero();
+}
+
+/* The speed y of a rotor that gets the impulse `given` and gives p to the spring: with w, what the spring is
+   wound,
+
+       J_t y = given - p,   p = dt (k w + K (y - x_m))
+
+   If it is light and the spring is stiff, the difference given - p is rounding. So p is put in. */
+RBDI_PART rbd_real rbdi_act_meshed_speed(const rbd_motor *m, const rbdi_act_shaft *s,
+                                         const rbdi_act_spring *spring, rbd_real given, rbd_real J_t,
+                                         rbd_real x_m, rbd_real dt) {
+    const int side = rbdi_act_sign(spring->p);
+    const rbd_real wound = rbdi_act_wound(m, s, side);
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
+    return side ? (given + dt * (K * x_m - m->stiffness * wound)) / (J_t + dt * K) : given / J_t;
 }
 
 /* The spring's law at the speed x of the joint's side, if this is the motor's line. */
@@ -138,7 +167,7 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_
     const rbd_real braking = line.braking + s->cogging_slope;
     const rbd_real J = rbdi_act_rotor_inertia(m);
     const rbd_real J_t = J + dt * (braking + m->friction.viscous);
-    const rbd_real K = dt * m->stiffness + m->damping;
+    const rbd_real K = rbdi_act_spring_slope(m, dt);
     const rbd_real given = J * s->speed + dt * t;
     rbdi_act_spring spring;
 
@@ -149,7 +178,7 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_
         const rbd_real friction = spring.p > given ? most : -most;
         spring.slope = K / (1 + dt * K / J_t);
         spring.p = rbdi_act_mesh(m, s, (given + friction) / J_t - x_m, 1 / J_t, dt);
-        spring.y = (given + friction - spring.p) / J_t;
+        spring.y = rbdi_act_meshed_speed(m, s, &spring, given + friction, J_t, x_m, dt);
     }
     if (!(rbdi_abs(spring.p) > 0)) spring.slope = rbdi_zero();
     return spring;
@@ -203,16 +232,16 @@ RBDI_PART rbd_real rbdi_act_law_at(const rbd_motor *m, const rbdi_act_shaft *s, 
     return rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
 }
 
-/* By how much the joint's torque T at speed x is not that of the law, where the speed is known to
-   a->speed_rounding. A coupled shaft may have any torque within the level of friction while it sticks: there
-   x is rounding. */
+/* By how much the joint's torque T at speed x is not that of the law. The speed is known to its rounding in
+   a step that begins with s->x and, of coupled shafts, to a->speed_rounding. A coupled shaft may have any
+   torque within the level of friction while it sticks: there x is rounding. */
 RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
                                 const rbd_actuators *a) {
     const int sticks = s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0);
     const rbd_real creep = sticks ? RBDI_ACTUATOR_CREEP * (1 + s->scale) : rbdi_zero();
-    const rbd_real slower = x - a->speed_rounding, faster = x + a->speed_rounding;
+    const rbd_real rounding = a->speed_rounding + rbdi_act_speed_rounding(s);
+    const rbd_real slower = x - rounding, faster = x + rounding;
     rbd_real least, most;
-    if (!(a->speed_rounding > 0)) return T - rbdi_act_law_at(m, s, x, a);
     if (!sticks) {
         least = rbdi_act_law_at(m, s, faster, a);
         most = rbdi_act_law_at(m, s, slower, a);
@@ -231,9 +260,9 @@ RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, co
     const rbdi_act_piece law = rbdi_act_law(m, s, s->next, a);
     const rbd_real wound = rbdi_abs(s->angle - s->phi) + m->backlash;
     const rbd_real speeds = rbdi_abs(s->x) + rbdi_abs(s->next) + rbdi_abs(s->speed);
-    const rbd_real K = a->dt * m->stiffness + m->damping;
+    const rbd_real K = rbdi_act_spring_slope(m, a->dt);
     rbd_real size = rbdi_abs(law.start) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) +
-                    rbdi_abs(s->t) + rbdi_abs(s->cogging) + s->level + RBD_C(1e-20);
+                    rbdi_abs(s->t) + rbdi_abs(s->cogging) + s->level + RBDI_ACTUATOR_NOTHING;
     if (K > 0) size = size + law.slope / (a->share * K) * (m->stiffness * wound + K * speeds);
     return size;
 }

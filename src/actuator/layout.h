@@ -43,6 +43,7 @@
 #define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)      /* degrees: no winding gets there */
 #define RBDI_ACTUATOR_WARM RBD_C(25)          /* degrees at which resistances are given */
 #define RBDI_ACTUATOR_ROUNDING (8 * RBDI_EPS) /* of the size of a sum: a law adds up about eight terms */
+#define RBDI_ACTUATOR_NOTHING RBD_C(1e-9)     /* N m: torques round as this one at least */
 #define RBDI_ACTUATOR_ACROSS 14           /* times the square of its rounding: a change of speeds above it */
 #define RBDI_ACTUATOR_TELLING RBD_C(1e-7) /* of its work: what a repeat must tell beside those before it */
 #if RBDI_KIND(RBD_CONST) == 2

@@ -143,14 +143,21 @@ RBDI_LOCAL void rbdi_act_note_speeds(rbd_actuators *a, const rbd_real *v) {
     if (a->groups > 0) rbdi_act_note_rounding(a);
 }
 
+/* By how much the torque of a shaft may differ from its law, N m: by rounding and, where it was told a slope,
+   by that of the speed. */
+RBDI_LOCAL rbd_real rbdi_act_bound(const rbd_actuators *a, int i) {
+    const rbdi_act_shaft *s = &a->shaft[i];
+    if (s->dof < 0) return RBDI_ACTUATOR_SETTLED * s->size + a->torque_rounding;
+    return RBDI_ACTUATOR_ROUNDING * rbdi_act_size(&a->motor[i], s, a) +
+           s->slope * rbdi_act_speed_rounding(s) + a->torque_rounding;
+}
+
 /* Whether all shafts have the torques of their laws at the new speeds. */
 RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
-        const rbd_motor *m = &a->motor[i];
         const rbdi_act_shaft *s = &a->shaft[i];
-        const rbd_real bound =
-            s->dof < 0 ? RBDI_ACTUATOR_SETTLED * s->size : RBDI_ACTUATOR_ROUNDING * rbdi_act_size(m, s, a);
-        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > bound + a->torque_rounding) return 0;
+        const rbd_real off = rbdi_act_off(&a->motor[i], s, s->force, s->next, a);
+        if (rbdi_abs(off) > rbdi_act_bound(a, i)) return 0;
     }
     return 1;
 }
