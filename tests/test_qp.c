@@ -1411,6 +1411,58 @@ END_TEST
 
 /* A soft row of zeros that misses its side by 1e25, at a weight of 1e25: its multiplier is too large in
    float, and what is said of it is a number in any case. */
+/* H is so small beside f that the optimum without rows is 1e20 (float: 1e8) times as far away as the limits.
+   What rounding leaves of so long a way is no excuse for a miss: any OK keeps the rows to ten accuracies. */
+START_TEST(limits_hold_however_far_the_optimum_is) {
+    const int solved = sizeof(rbd_real) == 4 ? 8 : 20;
+
+    for (int power = 0; power <= 28; power++) {
+        for (int kind = 0; kind < 3; kind++) {
+            const rbd_qp_problem p = problem_of(3, 3, 2);
+            for (int i = 0; i < 9; i++) H[i] = i % 4 ? 0 : (rbd_real)pow(10, -power);
+            set(f, (const double[]){1, -1, .3}, 3);
+            set(C, (const double[]){1, 1, 1, 1, -2, 3}, 6);
+            set(lower, (const double[]){-1, -1, -1, -.5, -INF}, 5);
+            set(upper, (const double[]){1, 1, 1, .5, .7}, 5);
+            if (kind == 1) lower[3] = upper[3];
+            if (kind == 2) lower[0] = upper[0] = (rbd_real).5;
+
+            const rbd_qp_status status = solve(&p);
+            ck_assert_msg(status == RBD_QP_OK || (status == RBD_QP_INACCURATE && power > solved),
+                          "H 1e-%d, problem %d: status %d", power, kind, status);
+            if (status == RBD_QP_OK) check_kkt(&p, 10 * RBDI_QP_ACCURACY, "power", power);
+        }
+    }
+}
+END_TEST
+
+/* Soft rows are all of the cost: their units decide how far a round of the proximal method goes, so that a
+   weight of any size is met at once. With f: x = 1 - f/w. */
+START_TEST(soft_rows_alone_are_met) {
+    rbd_qp_problem p = problem_of(2, 1, 1);
+    p.soft = soft;
+    for (int i = 0; i < 4; i++) H[i] = 0;
+    set(C, (const double[]){0, 1}, 2);
+    set(upper, (const double[]){INF, 3}, 2);
+
+    for (int power = -25; power <= 25; power++) {
+        const double weight = pow(10, power);
+        for (int kind = 0; kind < 3; kind++) { /* the second row is soft too, and weaker; f too */
+            const double slope = kind == 2 ? weight / 8 : 0;
+            f[0] = (rbd_real)slope;
+            f[1] = 0;
+            lower[0] = 1;
+            lower[1] = 3;
+            soft[0] = (rbd_real)weight;
+            soft[1] = kind ? (rbd_real)(weight / 1000) : 0;
+            ck_assert_msg(solve(&p) == RBD_QP_OK && result.rounds <= 10, "weight 1e%d: %d rounds", power,
+                          result.rounds);
+            ck_assert(fabs((double)x[0] - 1 + slope / weight) < loose && fabs((double)x[1] - 3) < loose);
+        }
+    }
+}
+END_TEST
+
 START_TEST(multipliers_that_overflow_are_named) {
     rbd_qp_problem p = problem_of(1, 0, 1);
     H[0] = 1;
@@ -1580,6 +1632,8 @@ int main(void) {
     tcase_add_test(c, ways_without_end_are_found);
     tcase_add_loop_test(c, ways_without_end_are_found_without_h, 0, 2);
     tcase_add_test(c, rows_hold_as_a_share_of_a_small_solution);
+    tcase_add_test(c, limits_hold_however_far_the_optimum_is);
+    tcase_add_test(c, soft_rows_alone_are_met);
     tcase_add_test(c, multipliers_that_overflow_are_named);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
     tcase_add_test(c, an_unfinished_x_is_judged_where_it_is);
