@@ -57,7 +57,7 @@
      RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 
-   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve. Contact forces of HyQ without a warm
+   [cost] Flash for a Cortex-M4F at -Os: 13.6 kB of rbd_qp_solve. Contact forces of HyQ without a warm
    start, by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean of 32 problems; microseconds of a
    PC in double, the mean of 400, with -march=native (AVX-512) and without. More in docs/qp.md:
 
@@ -2834,9 +2834,7 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
-        const rbd_real by = lambda[row] != 0 ? rbdi_qp_abs(at_upper ? above : below)
-                            : at_upper       ? above
-                                             : below;
+        const rbd_real by = rbdi_qp_abs(at_upper ? above : below);
         const rbd_real side = rbdi_qp_abs(at_upper ? s->given.upper[row] : s->given.lower[row]);
         const rbd_real size = side > 0 ? furthest : of_zero;
 

@@ -210,9 +210,7 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
-        const rbd_real by = lambda[row] != 0 ? rbdi_qp_abs(at_upper ? above : below)
-                            : at_upper       ? above
-                                             : below;
+        const rbd_real by = rbdi_qp_abs(at_upper ? above : below);
         const rbd_real side = rbdi_qp_abs(at_upper ? s->given.upper[row] : s->given.lower[row]);
         const rbd_real size = side > 0 ? furthest : of_zero;
 
