@@ -959,7 +959,7 @@ typedef struct rbdi_qp {
     int watches;       /* rows that x may miss: not 0, with a side */
     int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
-    int reflections;   /* equalities, and until there is J the active rows */
+    int reflections;   /* equalities and active rows; of no use once there is J */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
@@ -1854,7 +1854,6 @@ RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
             for (int i = 0; i < n; ++i)
                 rbdi_qp_j(s, j + lane)[i] = ((const rbd_real *)t)[i * RBDI_QP_GROUP + lane];
     }
-    s->reflections = k;
 }
 
 /* d = J'y; y is lost. Without J it goes by the factors. */
@@ -2904,7 +2903,6 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     rbdi_qp_take_guess(s);
     s->columns = s->n - s->equalities;
     for (int k = 0; k < s->n; ++k) {
-        s->reach[k] = 0;
         s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
         s->g[k] = s->given.f[k] - s->rho * s->centre[k];
     }

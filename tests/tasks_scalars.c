@@ -539,6 +539,14 @@ static void check_sizes(void) {
     expect(rbd_tasks_size(&many, &p) > 0, "5000 dofs", many.nv);
     many.nv = 6000;
     expect(rbd_tasks_size(&many, &p) == 0, "6000 dofs", many.nv);
+
+    /* nv + 3 contacts + nv soft rows may be 20000 variables */
+    p.contacts = 2;
+    p.torque_weight = 0;
+    many.nv = (20000 - 6) / 2;
+    expect(rbd_tasks_size(&many, &p) > 0, "variables", many.nv);
+    many.nv++;
+    expect(rbd_tasks_size(&many, &p) == 0, "a variable too many", many.nv);
 }
 
 int main(void) {

@@ -1411,6 +1411,77 @@ END_TEST
 
 /* A soft row of zeros that misses its side by 1e25, at a weight of 1e25: its multiplier is too large in
    float, and what is said of it is a number in any case. */
+/* Rows in units that are powers of two are the same problem, bit for bit: x, steps and lambda times the row,
+   from any guess, as all tolerances are shares. */
+START_TEST(units_of_rows_change_no_bit) {
+    enum { ALL = 140 };
+    seed = 83;
+    for (int k = 0; k < 300; k++) {
+        const rbd_qp_options warm = {0, 1, 0, 0};
+        const kind of = k % 3 == 0 ? CONVEX : k % 3 == 1 ? DEGENERATE : SOFT;
+        rbd_qp_problem p = random_problem(of);
+        const int all = p.bounds + p.rows;
+        rbd_real first[MOST_N], multipliers[ALL];
+        signed char guess[ALL];
+        rbd_qp_result found;
+        for (int row = 0; row < all; row++) side[row] = guess[row] = (signed char)between(-1, 1);
+        const rbd_qp_status status =
+            rbd_qp_solve(&p, &warm, memory, sizeof memory, first, multipliers, side, &found);
+
+        for (int row = p.bounds; row < all; row++) {
+            const int by = between(-20, 20);
+            for (int j = 0; j < p.n; j++) {
+                rbd_real *c = &C[(row - p.bounds) * p.n + j];
+                *c = (rbd_real)ldexp((double)*c, by);
+            }
+            if (lower[row] > -NONE) lower[row] = (rbd_real)ldexp((double)lower[row], by);
+            if (upper[row] < NONE) upper[row] = (rbd_real)ldexp((double)upper[row], by);
+            soft[row] = (rbd_real)ldexp((double)soft[row], -2 * by);
+            multipliers[row] = (rbd_real)ldexp((double)multipliers[row], -by);
+        }
+        ck_assert(rbd_qp_solve(&p, &warm, memory, sizeof memory, x, lambda, guess, &result) == status);
+        ck_assert_msg(result.steps == found.steps && result.active == found.active, "problem %d", k);
+        for (int i = 0; i < p.n; i++) ck_assert_msg(!(x[i] < first[i] || x[i] > first[i]), "problem %d", k);
+        for (int row = 0; row < all && status == RBD_QP_OK; row++)
+            ck_assert(!(lambda[row] < multipliers[row] || lambda[row] > multipliers[row]));
+    }
+}
+END_TEST
+
+/* x >= 2 s and x <= s contradict each other however small or large s is. */
+START_TEST(contradictions_have_no_unit) {
+    const int most = sizeof(rbd_real) == 4 ? 10 : 25;
+
+    for (int power = -most; power <= most; power++) {
+        const rbd_qp_problem p = problem_of(2, 0, 2);
+        const double s = pow(10, power);
+        set(H, (const double[]){1, 0, 0, 1}, 4);
+        set(f, (const double[]){0, 0}, 2);
+        set(C, (const double[]){1, 0, 1, 0}, 4);
+        set(lower, (const double[]){2 * s, -INF}, 2);
+        set(upper, (const double[]){INF, s}, 2);
+        ck_assert_msg(solve(&p) == RBD_QP_INFEASIBLE, "1e%d", power);
+        check_proof(&p, "power", power);
+    }
+}
+END_TEST
+
+/* What stands behind x, lambda and side is another's. */
+START_TEST(nothing_behind_the_arrays_is_touched) {
+    seed = 89;
+    for (int k = 0; k < 40; k++) {
+        const rbd_qp_problem p = random_problem((kind)(k % KINDS));
+        const int all = p.bounds + p.rows;
+        if (p.n == MOST_N || all == MOST_ROWS) continue;
+        x[p.n] = (rbd_real)NAN;
+        lambda[all] = (rbd_real)NAN;
+        side[all] = 77;
+        ck_assert(solve(&p) != RBD_QP_NAN);
+        ck_assert(isnan((double)x[p.n]) && isnan((double)lambda[all]) && side[all] == 77);
+    }
+}
+END_TEST
+
 /* H is so small beside f that the optimum without rows is 1e20 (float: 1e8) times as far away as the limits.
    What rounding leaves of so long a way is no excuse for a miss: any OK keeps the rows to ten accuracies. */
 START_TEST(limits_hold_however_far_the_optimum_is) {
@@ -1632,6 +1703,9 @@ int main(void) {
     tcase_add_test(c, ways_without_end_are_found);
     tcase_add_loop_test(c, ways_without_end_are_found_without_h, 0, 2);
     tcase_add_test(c, rows_hold_as_a_share_of_a_small_solution);
+    tcase_add_test(c, units_of_rows_change_no_bit);
+    tcase_add_test(c, contradictions_have_no_unit);
+    tcase_add_test(c, nothing_behind_the_arrays_is_touched);
     tcase_add_test(c, limits_hold_however_far_the_optimum_is);
     tcase_add_test(c, soft_rows_alone_are_met);
     tcase_add_test(c, multipliers_that_overflow_are_named);

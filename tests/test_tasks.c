@@ -654,6 +654,36 @@ START_TEST(the_answer_depends_on_the_problem_alone) {
 }
 END_TEST
 
+/* Nor do the memory's old bytes: a cold tick of one level, then a warm one of two, whose second has no guess
+   yet. */
+START_TEST(old_bytes_of_the_memory_do_not_count) {
+    robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
+    double q[MAX_Q], v[MAX_V] = {0}, x[3][MAX_V], tau[MAX_V], f[3 * FEET];
+    int steps[3];
+    rbd_task_contact feet[FEET];
+    rbd_tasks_result result;
+    stand(&r, q, feet);
+    rbd_task t[2] = {hold_trunk(&r, q), {.kind = RBD_TASK_POSTURE, .q = q, .gain = 10}};
+    for (int k = 0; k < 3; k++) t[0].position[k] += 0.05 * (k - 1); /* with limits that hold */
+    rbd_tasks p = {.task = t, .tasks = 2, .contact = feet, .contacts = FEET, .dt = 1e-3};
+    const size_t size = rbd_tasks_size(r.m, &p);
+    unsigned char *memory = malloc(size);
+    for (int k = 0; k < 3; k++) {
+        memset(memory, k == 0 ? 0 : k == 1 ? 1 : 0xff, size);
+        for (int warm = 0; warm < 2; warm++) {
+            p.warm = warm;
+            t[1].level = warm;
+            expect_answer(&result,
+                          rbd_tasks_acceleration(r.m, r.w, &p, q, v, memory, size, x[k], f, tau, &result),
+                          RBD_TASKS_OK);
+        }
+        steps[k] = result.steps;
+        ck_assert(steps[k] == steps[0] && !memcmp(x[k], x[0], sizeof(double) * (size_t)r.nv));
+    }
+    free(memory), robot_free(&r);
+}
+END_TEST
+
 /* Too few steps leave an answer that is not the best, and say so; of a next level the one before stands. */
 START_TEST(work_is_bounded) {
     robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
@@ -1398,6 +1428,12 @@ START_TEST(every_status_has_a_sentence) {
     x.error = RBD_ERR_LIMITS, x.dof = 12, x.field = "lower";
     ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, sizeof text),
                      "dof 12, field 'lower': not a number, or the lower limit is above the upper one");
+    x.contact = 0, x.dof = -1;
+    ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, 24), "contact 0, field 'lower");
+    x.task = 0, x.contact = -1;
+    ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, 21), "task 0, field 'lower");
+    x.task = x.contact = -1, x.dof = 0;
+    ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, 20), "dof 0, field 'lower");
     x.contact = 2;
     ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, cut, sizeof cut), "conta");
     ck_assert_ptr_null(rbd_tasks_text(RBD_TASKS_OK, NULL, NULL, 9));
@@ -1427,6 +1463,7 @@ Suite *tasks_suite(void) {
     tcase_add_test(c, rounding_is_not_held_for_the_next_level);
     tcase_add_test(c, a_level_never_worsens_the_one_before);
     tcase_add_test(c, work_is_bounded);
+    tcase_add_test(c, old_bytes_of_the_memory_do_not_count);
     tcase_add_test(c, a_robot_without_joints_has_an_answer);
     tcase_add_test(c, contradictions_are_named);
     tcase_add_test(c, bad_input_is_named);

@@ -80,7 +80,7 @@ typedef struct rbdi_qp {
     int watches;       /* rows that x may miss: not 0, with a side */
     int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
-    int reflections;   /* equalities, and until there is J the active rows */
+    int reflections;   /* equalities and active rows; of no use once there is J */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */

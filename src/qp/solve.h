@@ -280,7 +280,6 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     rbdi_qp_take_guess(s);
     s->columns = s->n - s->equalities;
     for (int k = 0; k < s->n; ++k) {
-        s->reach[k] = 0;
         s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
         s->g[k] = s->given.f[k] - s->rho * s->centre[k];
     }
