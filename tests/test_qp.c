@@ -1411,6 +1411,57 @@ END_TEST
 
 /* A soft row of zeros that misses its side by 1e25, at a weight of 1e25: its multiplier is too large in
    float, and what is said of it is a number in any case. */
+/* Sums of products beside sums in long double, of every length, as each is made of fours and a rest. */
+START_TEST(sums_of_products_are_right) {
+    enum { MOST = 21 };
+    rbd_real a[MOST], b[MOST], t[MOST], u[MOST];
+    seed = 97;
+    for (int n = 0; n <= MOST; n++) {
+        long double sum = 0, terms = 0;
+        rbd_real size, with_a, with_b;
+        for (int i = 0; i < n; i++) {
+            a[i] = (rbd_real)normal();
+            b[i] = (rbd_real)normal();
+            t[i] = (rbd_real)normal();
+            u[i] = t[i];
+            sum += (long double)a[i] * (long double)b[i];
+            terms += fabsl((long double)a[i] * (long double)b[i]);
+        }
+        const double rounding = 8 * RBDI_EPS * (1 + (double)terms);
+        ck_assert(fabs((double)(rbdi_qp_dot(a, b, n) - (rbd_real)sum)) <= rounding);
+        ck_assert(fabs((double)(rbdi_qp_dot_and_terms(a, b, n, &size) - (rbd_real)sum)) <= rounding);
+        ck_assert_msg(fabs((double)(size - (rbd_real)terms)) <= rounding, "%d terms", n);
+        rbdi_qp_dots(a, b, b, n, &with_a, &with_b);
+        ck_assert(fabs((double)(with_a - (rbd_real)sum)) <= rounding && (n == 0 || with_b > 0));
+
+        rbdi_qp_adds(2, a, -3, b, t, n);
+        rbdi_qp_add(-2, a, t, n);
+        for (int i = 0; i < n; i++) ck_assert(fabs((double)(t[i] - (u[i] - 3 * b[i]))) <= 32 * RBDI_EPS * 10);
+        rbdi_qp_rotate(a, b, n, (rbd_real)0.6, (rbd_real)0.8);
+        for (int i = 0; i < n; i++) u[i] = (rbd_real)0.6 * a[i] - (rbd_real)0.8 * b[i];
+        rbdi_qp_rotate(a, b, n, (rbd_real)0.6, (rbd_real)-0.8); /* back */
+        for (int i = 0; i < n; i++) ck_assert(fabs((double)(u[i] - a[i])) <= 32 * RBDI_EPS * 10);
+    }
+}
+END_TEST
+
+/* A row ends a way however little it changes along it: x <= 1e6 (float: 1e4) is written as 1e-8 x <= 0.01. */
+START_TEST(rows_of_large_units_end_a_way) {
+    const double end = sizeof(rbd_real) == 4 ? 1e4 : 1e6;
+
+    for (int upwards = 0; upwards < 2; upwards++) {
+        const rbd_qp_problem p = problem_of(1, 0, 1);
+        H[0] = 0;
+        f[0] = -1;
+        C[0] = (rbd_real)((upwards ? .01 : -.01) / end);
+        lower[0] = upwards ? -NONE : (rbd_real)-1e-2;
+        upper[0] = upwards ? (rbd_real)1e-2 : NONE;
+        ck_assert_int_eq(solve(&p), RBD_QP_OK);
+        ck_assert(fabs((double)x[0] / end - 1) < loose);
+    }
+}
+END_TEST
+
 /* Rows in units that are powers of two are the same problem, bit for bit: x, steps and lambda times the row,
    from any guess, as all tolerances are shares. */
 START_TEST(units_of_rows_change_no_bit) {
@@ -1703,6 +1754,8 @@ int main(void) {
     tcase_add_test(c, ways_without_end_are_found);
     tcase_add_loop_test(c, ways_without_end_are_found_without_h, 0, 2);
     tcase_add_test(c, rows_hold_as_a_share_of_a_small_solution);
+    tcase_add_test(c, sums_of_products_are_right);
+    tcase_add_test(c, rows_of_large_units_end_a_way);
     tcase_add_test(c, units_of_rows_change_no_bit);
     tcase_add_test(c, contradictions_have_no_unit);
     tcase_add_test(c, nothing_behind_the_arrays_is_touched);
