@@ -57,7 +57,7 @@
      RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 
-   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve. Contact forces of HyQ without a warm
+   [cost] Flash for a Cortex-M4F at -Os: 13.6 kB of rbd_qp_solve. Contact forces of HyQ without a warm
    start, by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean of 32 problems; microseconds of a
    PC in double, the mean of 400, with -march=native (AVX-512) and without. More in docs/qp.md:
 
@@ -917,12 +917,12 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
 /* Tolerances. None depends on the units of x or of a row, as long as their squares are normal numbers.
    RBDI_QP_DEPENDENT: sine of the angle, in the metric of H^-1, between a row and the active ones, below
    which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
-   share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
-   a diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
-   entry of H. RBDI_QP_WAY: how far a round goes without H. RBDI_QP_ENOUGH: share of the accuracy at which its
-   rounds end. RBDI_QP_FALL: share of its terms by which f must fall on a way without end, for rounding of the
-   squares in H leaves less in doubt. RBDI_QP_CANCELLED: share of the largest x so far below which the
-   solution may be nothing but rounding. */
+   share of the largest x so far that counts in those terms, until a refinement. RBDI_QP_PIVOT: share of a
+   diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
+   entry of H, or without H of the least curvature of a soft row. RBDI_QP_WAY: how far a round goes without H,
+   at least. RBDI_QP_ENOUGH: share of the accuracy at which its rounds end. RBDI_QP_FALL: share of its terms
+   by which f must fall on a way without end, for rounding of the squares in H leaves less in doubt.
+   RBDI_QP_CANCELLED: share of the largest x so far below which a solution of 0 is nothing but rounding. */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_DEPENDENT 3e-5f
 #define RBDI_QP_ACCURACY 1e-5f
@@ -966,7 +966,7 @@ typedef struct rbdi_qp {
     int watches;       /* rows that x may miss: not 0, with a side */
     int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
-    int reflections;   /* equalities, and until there is J the active rows */
+    int reflections;   /* equalities and active rows; of no use once there is J */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
@@ -1861,7 +1861,6 @@ RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
             for (int i = 0; i < n; ++i)
                 rbdi_qp_j(s, j + lane)[i] = ((const rbd_real *)t)[i * RBDI_QP_GROUP + lane];
     }
-    s->reflections = k;
 }
 
 /* d = J'y; y is lost. Without J it goes by the factors. */
@@ -2101,6 +2100,20 @@ RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
     c = rbdi_qp_c(s, row);
     rbdi_qp_dot_and_terms(c, s->reach + s->from[row], s->to[row] - s->from[row], &terms);
     return rbdi_qp_abs(side) + terms;
+}
+
+/* The largest |x_k|; where x is nothing but what has cancelled, a share of the largest x so far. That is so
+   if x = 0 is right: all hard rows that hold have the side 0. */
+RBDI_PART rbd_real rbdi_qp_size(const rbdi_qp *s, const rbd_real *x) {
+    const rbd_real size = rbdi_qp_largest(x, s->n);
+    int zero = size <= RBDI_QP_CANCELLED * s->furthest;
+
+    for (int j = 0; j < s->q && zero; ++j) {
+        const int row = s->active[j];
+        zero = rbdi_qp_side(s, row) == 0 || rbdi_qp_weight(s, row) > 0;
+    }
+    for (int e = 0; e < s->equalities && zero; ++e) zero = s->given.upper[s->equality[e]] == 0;
+    return zero ? RBDI_QP_CANCELLED * s->furthest : size;
 }
 
 /* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft
@@ -2403,7 +2416,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
    which may be far less than it was on the way. Returns whether x has changed. */
 RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
     for (int corrections = 0;; ++corrections) {
-        const rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_CANCELLED * s->furthest);
+        const rbd_real furthest = rbdi_qp_size(s, x);
         rbd_real size = s->rho * furthest, push = 0;
         const rbd_real missed = rbdi_qp_residuals(s, x, &size, &push);
 
@@ -2516,9 +2529,9 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
                 moved = 1;
             }
             if (moved) rbdi_qp_evaluate(s, x, 0);
-            /* x is exact now: less of what has cancelled before still counts. */
+            /* x is exact now: what has cancelled before counts no more. */
             rbdi_qp_clear(s->reach, s->n);
-            rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
+            rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * rbdi_qp_size(s, x), s->n);
             continue;
         }
 
@@ -2748,18 +2761,41 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
     return RBD_QP_OK;
 }
 
-/* Factors H; if it is semidefinite, H + rho 1. */
-RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
-    rbd_real diagonal = 0, slope = 0;
-    int at = rbdi_qp_factor(s);
-    if (at == s->n) return RBD_QP_OK;
-    if (rbdi_qp_check_pairs(s) != RBD_QP_OK) return RBD_QP_CONVEX;
+/* The least curvature w |row|^2 that a soft row gives the cost; 0: there is none. */
+RBDI_PART rbd_real rbdi_qp_least_curvature(const rbdi_qp *s) {
+    rbd_real least = 0;
+
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real curvature = rbdi_qp_weight(s, row) / (s->unit[row] * s->unit[row]);
+        if (curvature > 0 && s->from[row] < s->to[row] && !(least > 0 && least <= curvature))
+            least = curvature;
+    }
+    return least;
+}
+
+/* rho of the proximal method. Without H it has the units of soft rows or of f: the smaller of the two. */
+RBDI_PART rbd_real rbdi_qp_proximal(const rbdi_qp *s) {
+    rbd_real diagonal = 0, slope = 0, of_soft, of_slope;
 
     for (int i = 0; i < s->n; ++i) {
         diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
         slope = rbdi_qp_larger(slope, rbdi_qp_abs(s->given.f[i]));
     }
-    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / RBDI_QP_WAY : 1;
+    if (diagonal > 0) return (rbd_real)RBDI_QP_PROXIMAL * diagonal;
+
+    of_soft = (rbd_real)RBDI_QP_PROXIMAL * rbdi_qp_least_curvature(s);
+    of_slope = slope / RBDI_QP_WAY;
+    if (of_soft > 0 && of_slope > 0) return of_soft < of_slope ? of_soft : of_slope;
+    return of_soft > 0 ? of_soft : of_slope > 0 ? of_slope : 1;
+}
+
+/* Factors H; if it is semidefinite, H + rho 1. */
+RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
+    int at = rbdi_qp_factor(s);
+    if (at == s->n) return RBD_QP_OK;
+    if (rbdi_qp_check_pairs(s) != RBD_QP_OK) return RBD_QP_CONVEX;
+
+    s->rho = rbdi_qp_proximal(s);
     at = rbdi_qp_factor(s);
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
@@ -2793,12 +2829,10 @@ RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
 /* result.primal of x and lambda, by the values of the rows: of each row the miss, or where it pushes the
    distance from the side, as a share of its terms. */
 RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real furthest = rbdi_qp_largest(x, s->n);
+    const rbd_real furthest = rbdi_qp_largest(x, s->n), of_zero = rbdi_qp_size(s, x);
 
     s->result.primal = 0;
-    /* x may be nothing but what has cancelled */
-    if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
-    for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
+    for (int k = 0; k < s->n; ++k) s->reach[k] = 1;
 
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
@@ -2806,14 +2840,13 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
-        const rbd_real by = lambda[row] != 0 ? rbdi_qp_abs(at_upper ? above : below)
-                            : at_upper       ? above
-                                             : below;
-        const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+        const rbd_real by = rbdi_qp_abs(at_upper ? above : below);
+        const rbd_real side = rbdi_qp_abs(at_upper ? s->given.upper[row] : s->given.lower[row]);
+        const rbd_real size = side > 0 ? furthest : of_zero;
 
         /* its terms are more than this, for a sum is more than a root of squares */
-        if (by <= 0 || by <= s->result.primal * (rbdi_qp_abs(side) + furthest / s->unit[row])) continue;
-        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_qp_abs(miss));
+        if (by <= 0 || by <= s->result.primal * (side + size / s->unit[row])) continue;
+        const rbd_real share = by / (side + size * rbdi_qp_terms(s, row, 0) + rbdi_qp_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
         else
@@ -2824,7 +2857,7 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
 /* result.dual and s->balance of x and lambda, whatever they came from. */
 RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real size = rbdi_qp_gradient(s, x, s->t), push = 0;
-    if (!(size > 0)) size = s->rho * s->reach[0]; /* multipliers are rounding of this */
+    if (!(size > 0)) size = s->rho * rbdi_qp_size(s, x); /* multipliers are rounding of this */
 
     for (int row = 0; row < s->all; ++row) {
         if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
@@ -2877,7 +2910,6 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     rbdi_qp_take_guess(s);
     s->columns = s->n - s->equalities;
     for (int k = 0; k < s->n; ++k) {
-        s->reach[k] = 0;
         s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
         s->g[k] = s->given.f[k] - s->rho * s->centre[k];
     }

@@ -176,7 +176,7 @@ typedef struct rbd_tasks {
     rbd_real motion_cost;         /* of each component of x squared, at all levels [1e-6, float 1e-4] */
     rbd_real force_cost;          /* of each newton squared [motion_cost / mass^2 of the robot] */
     int warm;  /* not 0: memory is as the last call of the same model and number of contacts left it, and
-                 the QP begins there */
+                 the QP begins with the limits that held then; x begins at 0 */
     int steps; /* of each level's QP, at most: rbd_qp_options */
 } rbd_tasks;
 
@@ -1254,6 +1254,8 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     options.rounds = 0;
     options.accuracy = rbdi_zero();
 
+    /* begins at 0, also with `warm`: of a free motion the least is wanted, not the last one */
+    for (int i = 0; i < k->n; ++i) k->x[i] = rbdi_zero();
     if (options.warm) rbdi_tasks_keep(k, level, rows, 0);
     status = rbdi_qp_solve(&s, &qp, &options, &shape, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
     rbdi_tasks_keep(k, level, rows, 1);

@@ -56,7 +56,7 @@
      RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 
-   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve. Contact forces of HyQ without a warm
+   [cost] Flash for a Cortex-M4F at -Os: 13.6 kB of rbd_qp_solve. Contact forces of HyQ without a warm
    start, by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean of 32 problems; microseconds of a
    PC in double, the mean of 400, with -march=native (AVX-512) and without. More in docs/qp.md:
 

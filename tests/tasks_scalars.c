@@ -400,6 +400,43 @@ static void check_wrenches(void) {
            "the last wrench", result.error);
 }
 
+/* ---- where it begins ---- */
+
+/* A weight so large that motion_cost is rounding beside it: the QP is semidefinite to its eyes. After a tick
+   that moved joints fast, one that asks for a point alone moves as from a cold start: of the motions that do
+   it the least, not the last. */
+static void check_start(void) {
+    rbd_real q[7], v[7] = {0}, jacobian[21] = {0}, y[3] = {50, -50, 50}, a[2][7], tau[7];
+    double most = 0, apart = 0;
+    rbd_task wish[2] = {{.kind = RBD_TASK_ROWS, .rows = 3, .jacobian = jacobian, .y = y},
+                        {.kind = RBD_TASK_POINT, .weight = (rbd_real)(IN_FLOAT ? 1e4 : 1e9)}};
+    rbd_tasks p = {.task = wish, .tasks = 1, .dt = (rbd_real)0.01, .without = RBD_WITHOUT_TORQUE};
+    rbd_tasks_result result;
+    build(iiwa_bodies, IIWA_NB);
+    for (int i = 0; i < 7; i++) q[i] = (rbd_real)(0.2 + 0.1 * i);
+    for (int i = 0; i < 3; i++) jacobian[7 * i + 2 * i] = 1;
+    wish[1].body = IIWA_NB - 1;
+    wish[1].acceleration[3] = 1;
+
+    for (int cold = 0; cold < 2; cold++) {
+        p.warm = 0;
+        p.task = wish;
+        expect(rbd_tasks_acceleration(m, w, &p, q, v, memory, sizeof memory, a[cold], NULL, tau, &result) ==
+                   RBD_TASKS_OK,
+               "a tick before", result.error);
+        p.warm = !cold;
+        p.task = wish + 1;
+        expect(rbd_tasks_acceleration(m, w, &p, q, v, memory, sizeof memory, a[cold], NULL, tau, &result) ==
+                   RBD_TASKS_OK,
+               "a start", cold);
+    }
+    for (int i = 0; i < 7; i++) {
+        most = larger(most, fabs((double)a[1][i]));
+        apart = larger(apart, fabs((double)(a[0][i] - a[1][i])));
+    }
+    expect(apart <= 1e-3 * most && most < 10, "a warm start apart from a cold one", apart);
+}
+
 /* ---- rows missed ---- */
 
 /* The largest miss of a hard row, as a share of its terms, where x_i counts as |x_i| + 1; of a QP whose last
@@ -502,6 +539,14 @@ static void check_sizes(void) {
     expect(rbd_tasks_size(&many, &p) > 0, "5000 dofs", many.nv);
     many.nv = 6000;
     expect(rbd_tasks_size(&many, &p) == 0, "6000 dofs", many.nv);
+
+    /* nv + 3 contacts + nv soft rows may be 20000 variables */
+    p.contacts = 2;
+    p.torque_weight = 0;
+    many.nv = (20000 - 6) / 2;
+    expect(rbd_tasks_size(&many, &p) > 0, "variables", many.nv);
+    many.nv++;
+    expect(rbd_tasks_size(&many, &p) == 0, "a variable too many", many.nv);
 }
 
 int main(void) {
@@ -516,6 +561,7 @@ int main(void) {
     check_places();
     check_grounds();
     check_wrenches();
+    check_start();
     check_near_contacts();
     check_sizes();
     check_missed(0);

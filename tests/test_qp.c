@@ -1412,6 +1412,180 @@ END_TEST
 
 /* A soft row of zeros that misses its side by 1e25, at a weight of 1e25: its multiplier is too large in
    float, and what is said of it is a number in any case. */
+/* Sums of products beside sums in long double, of every length, as each is made of fours and a rest. */
+START_TEST(sums_of_products_are_right) {
+    enum { MOST = 21 };
+    rbd_real a[MOST], b[MOST], t[MOST], u[MOST];
+    seed = 97;
+    for (int n = 0; n <= MOST; n++) {
+        long double sum = 0, terms = 0;
+        rbd_real size, with_a, with_b;
+        for (int i = 0; i < n; i++) {
+            a[i] = (rbd_real)normal();
+            b[i] = (rbd_real)normal();
+            t[i] = (rbd_real)normal();
+            u[i] = t[i];
+            sum += (long double)a[i] * (long double)b[i];
+            terms += fabsl((long double)a[i] * (long double)b[i]);
+        }
+        const double rounding = 8 * RBDI_EPS * (1 + (double)terms);
+        ck_assert(fabs((double)(rbdi_qp_dot(a, b, n) - (rbd_real)sum)) <= rounding);
+        ck_assert(fabs((double)(rbdi_qp_dot_and_terms(a, b, n, &size) - (rbd_real)sum)) <= rounding);
+        ck_assert_msg(fabs((double)(size - (rbd_real)terms)) <= rounding, "%d terms", n);
+        rbdi_qp_dots(a, b, b, n, &with_a, &with_b);
+        ck_assert(fabs((double)(with_a - (rbd_real)sum)) <= rounding && (n == 0 || with_b > 0));
+
+        rbdi_qp_adds(2, a, -3, b, t, n);
+        rbdi_qp_add(-2, a, t, n);
+        for (int i = 0; i < n; i++) ck_assert(fabs((double)(t[i] - (u[i] - 3 * b[i]))) <= 32 * RBDI_EPS * 10);
+        rbdi_qp_rotate(a, b, n, (rbd_real)0.6, (rbd_real)0.8);
+        for (int i = 0; i < n; i++) u[i] = (rbd_real)0.6 * a[i] - (rbd_real)0.8 * b[i];
+        rbdi_qp_rotate(a, b, n, (rbd_real)0.6, (rbd_real)-0.8); /* back */
+        for (int i = 0; i < n; i++) ck_assert(fabs((double)(u[i] - a[i])) <= 32 * RBDI_EPS * 10);
+    }
+}
+END_TEST
+
+/* A row ends a way however little it changes along it: x <= 1e6 (float: 1e4) is written as 1e-8 x <= 0.01. */
+START_TEST(rows_of_large_units_end_a_way) {
+    const double end = sizeof(rbd_real) == 4 ? 1e4 : 1e6;
+
+    for (int upwards = 0; upwards < 2; upwards++) {
+        const rbd_qp_problem p = problem_of(1, 0, 1);
+        H[0] = 0;
+        f[0] = -1;
+        C[0] = (rbd_real)((upwards ? .01 : -.01) / end);
+        lower[0] = upwards ? -NONE : (rbd_real)-1e-2;
+        upper[0] = upwards ? (rbd_real)1e-2 : NONE;
+        ck_assert_int_eq(solve(&p), RBD_QP_OK);
+        ck_assert(fabs((double)x[0] / end - 1) < loose);
+    }
+}
+END_TEST
+
+/* Rows in units that are powers of two are the same problem, bit for bit: x, steps and lambda times the row,
+   from any guess, as all tolerances are shares. */
+START_TEST(units_of_rows_change_no_bit) {
+    enum { ALL = 140 };
+    seed = 83;
+    for (int k = 0; k < 300; k++) {
+        const rbd_qp_options warm = {0, 1, 0, 0};
+        const kind of = k % 3 == 0 ? CONVEX : k % 3 == 1 ? DEGENERATE : SOFT;
+        rbd_qp_problem p = random_problem(of);
+        const int all = p.bounds + p.rows;
+        rbd_real first[MOST_N], multipliers[ALL];
+        signed char guess[ALL];
+        rbd_qp_result found;
+        for (int row = 0; row < all; row++) side[row] = guess[row] = (signed char)between(-1, 1);
+        const rbd_qp_status status =
+            rbd_qp_solve(&p, &warm, memory, sizeof memory, first, multipliers, side, &found);
+
+        for (int row = p.bounds; row < all; row++) {
+            const int by = between(-20, 20);
+            for (int j = 0; j < p.n; j++) {
+                rbd_real *c = &C[(row - p.bounds) * p.n + j];
+                *c = (rbd_real)ldexp((double)*c, by);
+            }
+            if (lower[row] > -NONE) lower[row] = (rbd_real)ldexp((double)lower[row], by);
+            if (upper[row] < NONE) upper[row] = (rbd_real)ldexp((double)upper[row], by);
+            soft[row] = (rbd_real)ldexp((double)soft[row], -2 * by);
+            multipliers[row] = (rbd_real)ldexp((double)multipliers[row], -by);
+        }
+        ck_assert(rbd_qp_solve(&p, &warm, memory, sizeof memory, x, lambda, guess, &result) == status);
+        ck_assert_msg(result.steps == found.steps && result.active == found.active, "problem %d", k);
+        for (int i = 0; i < p.n; i++) ck_assert_msg(!(x[i] < first[i] || x[i] > first[i]), "problem %d", k);
+        for (int row = 0; row < all && status == RBD_QP_OK; row++)
+            ck_assert(!(lambda[row] < multipliers[row] || lambda[row] > multipliers[row]));
+    }
+}
+END_TEST
+
+/* x >= 2 s and x <= s contradict each other however small or large s is. */
+START_TEST(contradictions_have_no_unit) {
+    const int most = sizeof(rbd_real) == 4 ? 10 : 25;
+
+    for (int power = -most; power <= most; power++) {
+        const rbd_qp_problem p = problem_of(2, 0, 2);
+        const double s = pow(10, power);
+        set(H, (const double[]){1, 0, 0, 1}, 4);
+        set(f, (const double[]){0, 0}, 2);
+        set(C, (const double[]){1, 0, 1, 0}, 4);
+        set(lower, (const double[]){2 * s, -INF}, 2);
+        set(upper, (const double[]){INF, s}, 2);
+        ck_assert_msg(solve(&p) == RBD_QP_INFEASIBLE, "1e%d", power);
+        check_proof(&p, "power", power);
+    }
+}
+END_TEST
+
+/* What stands behind x, lambda and side is another's. */
+START_TEST(nothing_behind_the_arrays_is_touched) {
+    seed = 89;
+    for (int k = 0; k < 40; k++) {
+        const rbd_qp_problem p = random_problem((kind)(k % KINDS));
+        const int all = p.bounds + p.rows;
+        if (p.n == MOST_N || all == MOST_ROWS) continue;
+        x[p.n] = (rbd_real)NAN;
+        lambda[all] = (rbd_real)NAN;
+        side[all] = 77;
+        ck_assert(solve(&p) != RBD_QP_NAN);
+        ck_assert(isnan((double)x[p.n]) && isnan((double)lambda[all]) && side[all] == 77);
+    }
+}
+END_TEST
+
+/* H is so small beside f that the optimum without rows is 1e20 (float: 1e8) times as far away as the limits.
+   What rounding leaves of so long a way is no excuse for a miss: any OK keeps the rows to ten accuracies. */
+START_TEST(limits_hold_however_far_the_optimum_is) {
+    const int solved = sizeof(rbd_real) == 4 ? 8 : 20;
+
+    for (int power = 0; power <= 28; power++) {
+        for (int kind = 0; kind < 3; kind++) {
+            const rbd_qp_problem p = problem_of(3, 3, 2);
+            for (int i = 0; i < 9; i++) H[i] = i % 4 ? 0 : (rbd_real)pow(10, -power);
+            set(f, (const double[]){1, -1, .3}, 3);
+            set(C, (const double[]){1, 1, 1, 1, -2, 3}, 6);
+            set(lower, (const double[]){-1, -1, -1, -.5, -INF}, 5);
+            set(upper, (const double[]){1, 1, 1, .5, .7}, 5);
+            if (kind == 1) lower[3] = upper[3];
+            if (kind == 2) lower[0] = upper[0] = (rbd_real).5;
+
+            const rbd_qp_status status = solve(&p);
+            ck_assert_msg(status == RBD_QP_OK || (status == RBD_QP_INACCURATE && power > solved),
+                          "H 1e-%d, problem %d: status %d", power, kind, status);
+            if (status == RBD_QP_OK) check_kkt(&p, 10 * RBDI_QP_ACCURACY, "power", power);
+        }
+    }
+}
+END_TEST
+
+/* Soft rows are all of the cost: their units decide how far a round of the proximal method goes, so that a
+   weight of any size is met at once. With f: x = 1 - f/w. */
+START_TEST(soft_rows_alone_are_met) {
+    rbd_qp_problem p = problem_of(2, 1, 1);
+    p.soft = soft;
+    for (int i = 0; i < 4; i++) H[i] = 0;
+    set(C, (const double[]){0, 1}, 2);
+    set(upper, (const double[]){INF, 3}, 2);
+
+    for (int power = -25; power <= 25; power++) {
+        const double weight = pow(10, power);
+        for (int kind = 0; kind < 3; kind++) { /* the second row is soft too, and weaker; f too */
+            const double slope = kind == 2 ? weight / 8 : 0;
+            f[0] = (rbd_real)slope;
+            f[1] = 0;
+            lower[0] = 1;
+            lower[1] = 3;
+            soft[0] = (rbd_real)weight;
+            soft[1] = kind ? (rbd_real)(weight / 1000) : 0;
+            ck_assert_msg(solve(&p) == RBD_QP_OK && result.rounds <= 10, "weight 1e%d: %d rounds", power,
+                          result.rounds);
+            ck_assert(fabs((double)x[0] - 1 + slope / weight) < loose && fabs((double)x[1] - 3) < loose);
+        }
+    }
+}
+END_TEST
+
 START_TEST(multipliers_that_overflow_are_named) {
     rbd_qp_problem p = problem_of(1, 0, 1);
     H[0] = 1;
@@ -1581,6 +1755,13 @@ int main(void) {
     tcase_add_test(c, ways_without_end_are_found);
     tcase_add_loop_test(c, ways_without_end_are_found_without_h, 0, 2);
     tcase_add_test(c, rows_hold_as_a_share_of_a_small_solution);
+    tcase_add_test(c, sums_of_products_are_right);
+    tcase_add_test(c, rows_of_large_units_end_a_way);
+    tcase_add_test(c, units_of_rows_change_no_bit);
+    tcase_add_test(c, contradictions_have_no_unit);
+    tcase_add_test(c, nothing_behind_the_arrays_is_touched);
+    tcase_add_test(c, limits_hold_however_far_the_optimum_is);
+    tcase_add_test(c, soft_rows_alone_are_met);
     tcase_add_test(c, multipliers_that_overflow_are_named);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
     tcase_add_test(c, an_unfinished_x_is_judged_where_it_is);

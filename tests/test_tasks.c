@@ -31,7 +31,7 @@ static void expect_answer(const rbd_tasks_result *result, rbd_tasks_status statu
 static rbd_tasks_status move_by(const robot *r, const rbd_tasks *p, const double *q, double *v,
                                 rbd_tasks_result *result) {
     const size_t size = rbd_tasks_size(r->m, p);
-    void *memory = malloc(size);
+    void *memory = memset(malloc(size), 0x41, size); /* old bytes: 2261634.5 each */
     const rbd_tasks_status status = rbd_tasks_velocity(r->m, r->w, p, q, memory, size, v, result);
     free(memory);
     return status;
@@ -40,7 +40,7 @@ static rbd_tasks_status move_by(const robot *r, const rbd_tasks *p, const double
 static rbd_tasks_status push_by(const robot *r, const rbd_tasks *p, const double *q, const double *v,
                                 double *a, double *f, double *tau, rbd_tasks_result *result) {
     const size_t size = rbd_tasks_size(r->m, p);
-    void *memory = malloc(size);
+    void *memory = memset(malloc(size), 0x41, size);
     const rbd_tasks_status status =
         rbd_tasks_acceleration(r->m, r->w, p, q, v, memory, size, a, f, tau, result);
     free(memory);
@@ -148,7 +148,7 @@ START_TEST(momentum_decays_by_its_gain) {
                         .velocity = {0, 0, 0, 0.2},
                         .acceleration = {0, 0, 0, 0.4},
                         .gain = 3,
-                        .damping = 0.5};
+                        .damping = 2}; /* counts for places alone */
     const rbd_tasks p = {.task = &t, .tasks = 1, .dt = 0.01, .motion_cost = 1e-9};
     rbd_tasks_result result;
     double x[1] = {0}, a[1], tau[1];
@@ -654,6 +654,36 @@ START_TEST(the_answer_depends_on_the_problem_alone) {
 }
 END_TEST
 
+/* Nor do the memory's old bytes: a cold tick of one level, then a warm one of two, whose second has no guess
+   yet. */
+START_TEST(old_bytes_of_the_memory_do_not_count) {
+    robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
+    double q[MAX_Q], v[MAX_V] = {0}, x[3][MAX_V], tau[MAX_V], f[3 * FEET];
+    int steps[3];
+    rbd_task_contact feet[FEET];
+    rbd_tasks_result result;
+    stand(&r, q, feet);
+    rbd_task t[2] = {hold_trunk(&r, q), {.kind = RBD_TASK_POSTURE, .q = q, .gain = 10}};
+    for (int k = 0; k < 3; k++) t[0].position[k] += 0.05 * (k - 1); /* with limits that hold */
+    rbd_tasks p = {.task = t, .tasks = 2, .contact = feet, .contacts = FEET, .dt = 1e-3};
+    const size_t size = rbd_tasks_size(r.m, &p);
+    unsigned char *memory = malloc(size);
+    for (int k = 0; k < 3; k++) {
+        memset(memory, k == 0 ? 0 : k == 1 ? 1 : 0xff, size);
+        for (int warm = 0; warm < 2; warm++) {
+            p.warm = warm;
+            t[1].level = warm;
+            expect_answer(&result,
+                          rbd_tasks_acceleration(r.m, r.w, &p, q, v, memory, size, x[k], f, tau, &result),
+                          RBD_TASKS_OK);
+        }
+        steps[k] = result.steps;
+        ck_assert(steps[k] == steps[0] && !memcmp(x[k], x[0], sizeof(double) * (size_t)r.nv));
+    }
+    free(memory), robot_free(&r);
+}
+END_TEST
+
 /* Too few steps leave an answer that is not the best, and say so; of a next level the one before stands. */
 START_TEST(work_is_bounded) {
     robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
@@ -1077,6 +1107,11 @@ SPOIL(contact_body, x->contact->body = 7)
 SPOIL(contact_point, x->contact->point[2] = NAN)
 SPOIL(contact_normal, x->contact->normal[2] = NAN)
 SPOIL(short_normal, x->contact->normal[2] = 1e-10)
+SPOIL(short_normal_x, x->contact->normal[0] = 1e-10)
+SPOIL(short_normal_y, x->contact->normal[1] = 1e-10)
+SPOIL(short_normal_back, x->contact->normal[0] = -1e-10)
+SPOIL(short_normal_right, x->contact->normal[1] = -1e-10)
+SPOIL(short_normal_down, x->contact->normal[2] = -1e-10)
 SPOIL(negative_friction, x->contact->friction = -0.1)
 SPOIL(nan_friction, x->contact->friction = NAN)
 SPOIL(five_sides, x->contact->sides = 5)
@@ -1159,6 +1194,11 @@ static const struct {
     {contact_point, RBD_ERR_POSITION, -1, 0, -1, "point"},
     {contact_normal, RBD_ERR_AXIS, -1, 0, -1, "normal"},
     {short_normal, RBD_ERR_AXIS, -1, 0, -1, "normal"},
+    {short_normal_x, RBD_ERR_AXIS, -1, 0, -1, "normal"},
+    {short_normal_y, RBD_ERR_AXIS, -1, 0, -1, "normal"},
+    {short_normal_back, RBD_ERR_AXIS, -1, 0, -1, "normal"},
+    {short_normal_right, RBD_ERR_AXIS, -1, 0, -1, "normal"},
+    {short_normal_down, RBD_ERR_AXIS, -1, 0, -1, "normal"},
     {negative_friction, RBD_ERR_RANGE, -1, 0, -1, "friction"},
     {nan_friction, RBD_ERR_RANGE, -1, 0, -1, "friction"},
     {five_sides, RBD_ERR_RANGE, -1, 0, -1, "sides"},
@@ -1398,6 +1438,12 @@ START_TEST(every_status_has_a_sentence) {
     x.error = RBD_ERR_LIMITS, x.dof = 12, x.field = "lower";
     ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, sizeof text),
                      "dof 12, field 'lower': not a number, or the lower limit is above the upper one");
+    x.contact = 0, x.dof = -1;
+    ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, 24), "contact 0, field 'lower");
+    x.task = 0, x.contact = -1;
+    ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, 21), "task 0, field 'lower");
+    x.task = x.contact = -1, x.dof = 0;
+    ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, 20), "dof 0, field 'lower");
     x.contact = 2;
     ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, cut, sizeof cut), "conta");
     ck_assert_ptr_null(rbd_tasks_text(RBD_TASKS_OK, NULL, NULL, 9));
@@ -1427,6 +1473,7 @@ Suite *tasks_suite(void) {
     tcase_add_test(c, rounding_is_not_held_for_the_next_level);
     tcase_add_test(c, a_level_never_worsens_the_one_before);
     tcase_add_test(c, work_is_bounded);
+    tcase_add_test(c, old_bytes_of_the_memory_do_not_count);
     tcase_add_test(c, a_robot_without_joints_has_an_answer);
     tcase_add_test(c, contradictions_are_named);
     tcase_add_test(c, bad_input_is_named);

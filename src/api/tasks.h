@@ -113,7 +113,7 @@ typedef struct rbd_tasks {
     rbd_real motion_cost;         /* of each component of x squared, at all levels [1e-6, float 1e-4] */
     rbd_real force_cost;          /* of each newton squared [motion_cost / mass^2 of the robot] */
     int warm;  /* not 0: memory is as the last call of the same model and number of contacts left it, and
-                 the QP begins there */
+                 the QP begins with the limits that held then; x begins at 0 */
     int steps; /* of each level's QP, at most: rbd_qp_options */
 } rbd_tasks;
 

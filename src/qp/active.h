@@ -187,6 +187,20 @@ RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
     return rbdi_qp_abs(side) + terms;
 }
 
+/* The largest |x_k|; where x is nothing but what has cancelled, a share of the largest x so far. That is so
+   if x = 0 is right: all hard rows that hold have the side 0. */
+RBDI_PART rbd_real rbdi_qp_size(const rbdi_qp *s, const rbd_real *x) {
+    const rbd_real size = rbdi_qp_largest(x, s->n);
+    int zero = size <= RBDI_QP_CANCELLED * s->furthest;
+
+    for (int j = 0; j < s->q && zero; ++j) {
+        const int row = s->active[j];
+        zero = rbdi_qp_side(s, row) == 0 || rbdi_qp_weight(s, row) > 0;
+    }
+    for (int e = 0; e < s->equalities && zero; ++e) zero = s->given.upper[s->equality[e]] == 0;
+    return zero ? RBDI_QP_CANCELLED * s->furthest : size;
+}
+
 /* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft
    row also such a share of its terms that e = u/w misses. */
 RBDI_PART rbd_real rbdi_qp_slight(const rbdi_qp *s, int j, rbd_real share, rbd_real largest) {

@@ -251,7 +251,6 @@ RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
             for (int i = 0; i < n; ++i)
                 rbdi_qp_j(s, j + lane)[i] = ((const rbd_real *)t)[i * RBDI_QP_GROUP + lane];
     }
-    s->reflections = k;
 }
 
 /* d = J'y; y is lost. Without J it goes by the factors. */

@@ -31,12 +31,12 @@
 /* Tolerances. None depends on the units of x or of a row, as long as their squares are normal numbers.
    RBDI_QP_DEPENDENT: sine of the angle, in the metric of H^-1, between a row and the active ones, below
    which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
-   share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
-   a diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
-   entry of H. RBDI_QP_WAY: how far a round goes without H. RBDI_QP_ENOUGH: share of the accuracy at which its
-   rounds end. RBDI_QP_FALL: share of its terms by which f must fall on a way without end, for rounding of the
-   squares in H leaves less in doubt. RBDI_QP_CANCELLED: share of the largest x so far below which the
-   solution may be nothing but rounding. */
+   share of the largest x so far that counts in those terms, until a refinement. RBDI_QP_PIVOT: share of a
+   diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
+   entry of H, or without H of the least curvature of a soft row. RBDI_QP_WAY: how far a round goes without H,
+   at least. RBDI_QP_ENOUGH: share of the accuracy at which its rounds end. RBDI_QP_FALL: share of its terms
+   by which f must fall on a way without end, for rounding of the squares in H leaves less in doubt.
+   RBDI_QP_CANCELLED: share of the largest x so far below which a solution of 0 is nothing but rounding. */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_DEPENDENT 3e-5f
 #define RBDI_QP_ACCURACY 1e-5f
@@ -80,7 +80,7 @@ typedef struct rbdi_qp {
     int watches;       /* rows that x may miss: not 0, with a side */
     int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
-    int reflections;   /* equalities, and until there is J the active rows */
+    int reflections;   /* equalities and active rows; of no use once there is J */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */

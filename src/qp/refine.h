@@ -103,7 +103,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
    which may be far less than it was on the way. Returns whether x has changed. */
 RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
     for (int corrections = 0;; ++corrections) {
-        const rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_CANCELLED * s->furthest);
+        const rbd_real furthest = rbdi_qp_size(s, x);
         rbd_real size = s->rho * furthest, push = 0;
         const rbd_real missed = rbdi_qp_residuals(s, x, &size, &push);
 

@@ -100,9 +100,9 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
                 moved = 1;
             }
             if (moved) rbdi_qp_evaluate(s, x, 0);
-            /* x is exact now: less of what has cancelled before still counts. */
+            /* x is exact now: what has cancelled before counts no more. */
             rbdi_qp_clear(s->reach, s->n);
-            rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
+            rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * rbdi_qp_size(s, x), s->n);
             continue;
         }
 

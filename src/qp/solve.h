@@ -131,18 +131,41 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
     return RBD_QP_OK;
 }
 
-/* Factors H; if it is semidefinite, H + rho 1. */
-RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
-    rbd_real diagonal = 0, slope = 0;
-    int at = rbdi_qp_factor(s);
-    if (at == s->n) return RBD_QP_OK;
-    if (rbdi_qp_check_pairs(s) != RBD_QP_OK) return RBD_QP_CONVEX;
+/* The least curvature w |row|^2 that a soft row gives the cost; 0: there is none. */
+RBDI_PART rbd_real rbdi_qp_least_curvature(const rbdi_qp *s) {
+    rbd_real least = 0;
+
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real curvature = rbdi_qp_weight(s, row) / (s->unit[row] * s->unit[row]);
+        if (curvature > 0 && s->from[row] < s->to[row] && !(least > 0 && least <= curvature))
+            least = curvature;
+    }
+    return least;
+}
+
+/* rho of the proximal method. Without H it has the units of soft rows or of f: the smaller of the two. */
+RBDI_PART rbd_real rbdi_qp_proximal(const rbdi_qp *s) {
+    rbd_real diagonal = 0, slope = 0, of_soft, of_slope;
 
     for (int i = 0; i < s->n; ++i) {
         diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
         slope = rbdi_qp_larger(slope, rbdi_qp_abs(s->given.f[i]));
     }
-    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / RBDI_QP_WAY : 1;
+    if (diagonal > 0) return (rbd_real)RBDI_QP_PROXIMAL * diagonal;
+
+    of_soft = (rbd_real)RBDI_QP_PROXIMAL * rbdi_qp_least_curvature(s);
+    of_slope = slope / RBDI_QP_WAY;
+    if (of_soft > 0 && of_slope > 0) return of_soft < of_slope ? of_soft : of_slope;
+    return of_soft > 0 ? of_soft : of_slope > 0 ? of_slope : 1;
+}
+
+/* Factors H; if it is semidefinite, H + rho 1. */
+RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
+    int at = rbdi_qp_factor(s);
+    if (at == s->n) return RBD_QP_OK;
+    if (rbdi_qp_check_pairs(s) != RBD_QP_OK) return RBD_QP_CONVEX;
+
+    s->rho = rbdi_qp_proximal(s);
     at = rbdi_qp_factor(s);
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
@@ -176,12 +199,10 @@ RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
 /* result.primal of x and lambda, by the values of the rows: of each row the miss, or where it pushes the
    distance from the side, as a share of its terms. */
 RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real furthest = rbdi_qp_largest(x, s->n);
+    const rbd_real furthest = rbdi_qp_largest(x, s->n), of_zero = rbdi_qp_size(s, x);
 
     s->result.primal = 0;
-    /* x may be nothing but what has cancelled */
-    if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
-    for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
+    for (int k = 0; k < s->n; ++k) s->reach[k] = 1;
 
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
@@ -189,14 +210,13 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
-        const rbd_real by = lambda[row] != 0 ? rbdi_qp_abs(at_upper ? above : below)
-                            : at_upper       ? above
-                                             : below;
-        const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+        const rbd_real by = rbdi_qp_abs(at_upper ? above : below);
+        const rbd_real side = rbdi_qp_abs(at_upper ? s->given.upper[row] : s->given.lower[row]);
+        const rbd_real size = side > 0 ? furthest : of_zero;
 
         /* its terms are more than this, for a sum is more than a root of squares */
-        if (by <= 0 || by <= s->result.primal * (rbdi_qp_abs(side) + furthest / s->unit[row])) continue;
-        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_qp_abs(miss));
+        if (by <= 0 || by <= s->result.primal * (side + size / s->unit[row])) continue;
+        const rbd_real share = by / (side + size * rbdi_qp_terms(s, row, 0) + rbdi_qp_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
         else
@@ -207,7 +227,7 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
 /* result.dual and s->balance of x and lambda, whatever they came from. */
 RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real size = rbdi_qp_gradient(s, x, s->t), push = 0;
-    if (!(size > 0)) size = s->rho * s->reach[0]; /* multipliers are rounding of this */
+    if (!(size > 0)) size = s->rho * rbdi_qp_size(s, x); /* multipliers are rounding of this */
 
     for (int row = 0; row < s->all; ++row) {
         if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
@@ -260,7 +280,6 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     rbdi_qp_take_guess(s);
     s->columns = s->n - s->equalities;
     for (int k = 0; k < s->n; ++k) {
-        s->reach[k] = 0;
         s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
         s->g[k] = s->given.f[k] - s->rho * s->centre[k];
     }

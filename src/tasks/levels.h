@@ -158,6 +158,8 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     options.rounds = 0;
     options.accuracy = rbdi_zero();
 
+    /* begins at 0, also with `warm`: of a free motion the least is wanted, not the last one */
+    for (int i = 0; i < k->n; ++i) k->x[i] = rbdi_zero();
     if (options.warm) rbdi_tasks_keep(k, level, rows, 0);
     status = rbdi_qp_solve(&s, &qp, &options, &shape, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
     rbdi_tasks_keep(k, level, rows, 1);
