@@ -688,8 +688,9 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
                                     const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 
 /* Hybrid dynamics, M a + c = tau + sum J' f_ext: of each degree of freedom either the acceleration or the
-   torque is given, and the other computed. By the mass matrix, RBDA section 9.1; a joint's dofs may differ.
-   If only a floating base's torque is given, rbd_id_free_base of rbd_derivatives.h is faster.
+   torque is given, and the other computed. By the mass matrix, RBDA section 9.1. Of the dofs of one joint
+   some may have a given, the others tau. If only a floating base's torque is given, rbd_id_free_base of
+   rbd_derivatives.h is faster.
    given   nv flags: not 0 where a is given, 0 where tau is
    a, tau  in: what is given; out: all. Not the same array.
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
@@ -1864,6 +1865,13 @@ RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
 RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
 RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi_zero()), -x, x); }
 
+/* The larger and the smaller of two. If one is NaN these are a and b. */
+RBDI_INLINE rbd_real rbdi_larger(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), b, a); }
+RBDI_INLINE rbd_real rbdi_smaller(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), a, b); }
+
+/* Of infinity and of NaN x - x is NaN. */
+RBDI_INLINE int rbdi_is_finite(rbd_const x) { return x - x <= 0; }
+
 /* 1 / D if D > threshold, else 0, and bad is set: no division gives infinity. */
 RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
     rbdi_mask good = rbdi_less(rbdi_set(threshold), D);
@@ -1913,8 +1921,6 @@ RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
 #endif
 }
 
-RBDI_INLINE rbdi_batch rbdi_zero_batch(void) { return rbdi_all_lanes(rbdi_zero()); }
-
 #if RBDI_BATCH > 1
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 
@@ -1960,7 +1966,7 @@ RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) {
 RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum sum) { return sum; }
 #else
 typedef rbdi_batch rbdi_sum;
-RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_zero_batch(); }
+RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_all_lanes(rbdi_zero()); }
 RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) { return sum + x; }
 RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
     rbd_real sum = x[0];
@@ -2070,15 +2076,12 @@ RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) {
     u.bits = bits;
     return u.x;
 }
-
-RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < limit); }
 #else
 #if RBDI_BATCH == 1 /* lanes */
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 #endif
 RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) { return (rbdi_bits)x; }
 RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) { return (rbdi_batch)bits; }
-RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi_bits)(x < limit); }
 #endif
 
 /* Sine and cosine of x + quarters pi/2, |x| <= RBDI_SINCOS_LIMIT, without a branch. x = n pi/2 + r, n from
@@ -2157,25 +2160,27 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
 RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int first, int end, rbd_real *s,
                                  rbd_real *c) {
     const int size = (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-    int start = first / RBDI_BATCH * RBDI_BATCH; /* aligned */
-    rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
-    rbdi_bit any = 0;
+    int start = first / RBDI_BATCH * RBDI_BATCH;                                     /* aligned */
+    rbdi_bits within = (rbdi_bits)(rbdi_all_lanes(rbdi_zero()) < RBDI_SINCOS_LIMIT); /* all are */
+    rbdi_bit all;
 
     if (start + size < end) start = end - size;
     for (int i = start; i < end; i += RBDI_BATCH) {
         const rbdi_batch angle = *(const rbdi_batch *)&x[i];
-        beyond |= rbdi_beyond(angle * angle, RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
+        within &= (rbdi_bits)(angle * angle < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
         rbdi_sincos_batch(angle, *(const rbdi_batch *)&quarters[i], (rbdi_batch *)&s[i], (rbdi_batch *)&c[i]);
     }
 
-    /* large angles anew, one by one */
 #ifdef RBDI_BATCH_SCALAR
-    any = beyond;
+    all = within;
 #else
-    for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
+    all = within[0];
+    for (int i = 1; i < (int)(sizeof within / sizeof all); ++i) all &= within[i];
 #endif
+    if (all) return;
 
-    for (int i = first; any && i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
+    /* with a large angle, or one that is no number, all anew, one by one */
+    for (int i = first; i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif
 
@@ -2994,7 +2999,7 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
 /* Sets the n scalars of x to 0, a batch at a time. A call of memset would take longer. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
 #if RBDI_BATCH > 1 || defined RBD_LANES
-    const rbdi_batch zero = rbdi_zero_batch();
+    const rbdi_batch zero = rbdi_all_lanes(rbdi_zero());
 
     for (rbdi_batch *p; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
         RBDI_ONE_INDEX(x); /* without it the compiler calls memset all the same */
@@ -3081,18 +3086,18 @@ RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
 }
 
-/* Whether this program has all features of the model; others: features that count as had. rbd_aba needs
-   Cholesky's factor for mimic joints. */
-RBDI_INLINE int rbdi_supported_but(const rbd_model *m, uint32_t others) {
+/* Features of the model that this program lacks. RBDI_MASSLESS is always one of them: no program computes
+   dynamics without masses. Without Cholesky's factor mimic joints are one, because rbd_aba needs it for
+   them. */
+RBDI_INLINE uint32_t rbdi_missing(const rbd_model *m) {
 #ifdef RBD_NO_CHOLESKY
-    if (m->nmimic) return 0;
+    if (m->nmimic) return RBDI_MIMICS;
 #endif
-    return (m->features & ~((RBDI_FEATURES & ~RBDI_MASSLESS) | others)) == 0;
+    return m->features & ~(RBDI_FEATURES & ~RBDI_MASSLESS);
 }
 
-/* Whether this program can compute the model's kinematics; its dynamics. */
-RBDI_INLINE int rbdi_supported(const rbd_model *m) { return rbdi_supported_but(m, RBDI_MASSLESS); }
-RBDI_INLINE int rbdi_supports_dynamics(const rbd_model *m) { return rbdi_supported_but(m, 0); }
+/* Whether this program can compute the model's kinematics. */
+RBDI_INLINE int rbdi_supported(const rbd_model *m) { return (rbdi_missing(m) & ~RBDI_MASSLESS) == 0; }
 
 /* The first dof that moves no mass, -1 if there is none. It is part of the shape, so that no work of another
    model is taken: rbd_singular_dof reads it there. */
@@ -3117,18 +3122,19 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
 }
 
 /* ==== src/model/joint_types.h ==== */
-/* Interface: rbdi_first_axis, rbdi_has_quaternion, rbdi_type_turns */
+/* Interface: rbdi_first_axis, rbdi_has_quaternion, rbdi_is_length, rbdi_type_turns */
 
 /* ---- joint types [joint types] ----
    The differences between joint types. A type is a chain of one-axis links, one for each letter of its axes,
    or, if it has none, a block: a joint with several axes through one point. To add a type:
 
      always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
-     a chain     of links that turn or slide needs that row alone and, for lengths, motion/manifold.h:
-                 rbdi_random_joint. For links of another kind, as screws: model/links.h: rbdi_build_joint
-     a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
-                 rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
-                 slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
+     a chain     of links that turn or slide needs that row alone. For links of another kind, as screws:
+                 model/links.h: rbdi_build_joint
+     a block     rbdi_first_axis and rbdi_is_length, below; model/joints.h: rbdi_joint_attitude,
+                 rbdi_joint_origin, rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves,
+                 and whether it slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it
+                 only slides
      v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and
      the rate    rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint,
      of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
@@ -3189,6 +3195,14 @@ RBDI_INLINE int rbdi_type_turns(int type) {
 /* Whether the last four coordinates are a quaternion. */
 RBDI_INLINE int rbdi_has_quaternion(int type) { return type == RBD_SPHERICAL || type == RBD_FLOATING; }
 
+/* Whether coordinate k, which is no part of a quaternion, is a length. Those of a block come first. */
+RBDI_PART int rbdi_is_length(int type, int k) {
+    const rbdi_joint_fact *fact = rbdi_joint_facts(type);
+    if (fact->axes[0]) return rbdi_axis_slides(fact->axes[k]);
+
+    return type == RBD_PLANAR ? k < 2 : type != RBD_SPHERICAL;
+}
+
 /* Number of links of a joint: of a chain one for each dof, of a block one. */
 RBDI_PART int rbdi_links_of(int type) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(type);
@@ -3213,24 +3227,23 @@ RBDI_INLINE int rbdi_has_shape(const rbd_model *m, const uint64_t shape[RBDI_SHA
     return m->shape[0] == shape[0] && m->shape[1] == shape[1] && m->shape[2] == shape[2];
 }
 
-RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) { return rbdi_has_shape(m, w->shape); }
-
 /* The first check of every call with a model and a work. arrays: none of the caller's required ones is
    NULL. The program must support the model, and the work must fit it. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
+    return rbdi_supported(m) && rbdi_has_shape(m, w->shape) ? RBD_OK : RBD_ERR_WORK;
 }
 
 /* Why a model's dynamics cannot be computed. */
 RBDI_COLD rbd_status rbdi_no_dynamics(const rbd_model *m, const rbd_work *w) {
-    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_ERR_MASSLESS : RBD_ERR_WORK;
+    const rbd_status status = rbdi_check(m, w, 1);
+    return status ? status : RBD_ERR_MASSLESS;
 }
 
 /* rbdi_check of a call that needs masses. */
 RBDI_INLINE rbd_status rbdi_check_dynamics(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    if (rbdi_supports_dynamics(m) && rbdi_fits(m, w)) return RBD_OK;
+    if (!rbdi_missing(m) && rbdi_has_shape(m, w->shape)) return RBD_OK;
     return rbdi_no_dynamics(m, w);
 }
 
@@ -5058,7 +5071,7 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
     RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
         RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
             const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
-            sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+            sum[a][b] = which == RBDI_FRESH ? rbdi_all_lanes(rbdi_zero()) : *(const rbdi_batch *)from;
             if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
         }
     }
@@ -5609,49 +5622,27 @@ RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rb
     return s;
 }
 
-/* Adds the rounding of a change of frame to three diagonal entries, from `first` on: a share of the largest
-   of them. */
-RBDI_COLD void rbdi_add_rounding(rbd_real K[6][6], int first) {
-    rbd_real most = rbdi_zero();
-    for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);
-    for (int j = first; j < first + 3; ++j) K[j][j] = K[j][j] + most * RBDI_TURN;
-}
-
-/* Pose of a link in its parent. Column j of E is the parent's axis j in the link's axes. */
-RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, int i) {
+/* K becomes X' (K + rounding) X. The rounding of a change of frame is a share of the largest moment, and of
+   the largest mass. X' takes a wrench to the parent's frame: first each column of K, then each row. */
+RBDI_COLD void rbdi_carry_up(const rbd_model *m, const rbd_work *w, int i, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
-    const int flags = rbdi_flags(l);
-    rbd_real column[3][3];
-    rbdi_trig t;
-    rbdi_pose X;
-    if (rbdi_is(l, RBDI_BLOCK)) return w->block[l->block].X;
 
-    t = rbdi_trig_of(m, w, i, flags);
-    for (int j = 0; j < 3; ++j) {
-        rbd_real axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
-        axis[j] = rbdi_set(RBD_C(1));
-        rbdi_store_vec(column[j], 1, rbdi_down(l, flags, t, rbdi_load_vec(axis, 1)));
+    for (int first = 0; first < 6; first += 3) {
+        rbd_real most = rbdi_zero();
+        for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);
+        for (int j = first; j < first + 3; ++j) K[j][j] = K[j][j] + most * RBDI_TURN;
     }
 
-    X.E.xx = column[0][0];
-    X.E.xy = column[1][0];
-    X.E.xz = column[2][0];
-    X.E.yx = column[0][1];
-    X.E.yy = column[1][1];
-    X.E.yz = column[2][1];
-    X.E.zx = column[0][2];
-    X.E.zy = column[1][2];
-    X.E.zz = column[2][2];
-    X.r = rbdi_add(rbdi_vec_c(l->r), rbdi_scale(t.d, rbdi_vec(X.E.zx, X.E.zy, X.E.zz)));
-    return X;
-}
-
-/* K becomes X' K X. X' takes a wrench to the parent's frame: first each column of K, then each row. */
-RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
     for (int j = 0; j < 12; ++j) {
         rbd_real *wrench = j < 6 ? &K[0][j] : K[j - 6];
         const int stride = j < 6 ? 6 : 1;
-        rbdi_store_force(wrench, stride, rbdi_force_up_block(X, rbdi_load_force(wrench, stride)));
+        rbdi_force F = rbdi_load_force(wrench, stride);
+
+        if (rbdi_is(l, RBDI_BLOCK))
+            F = rbdi_force_up_block(&w->block[l->block].X, F);
+        else
+            F = rbdi_force_up(l, rbdi_flags(l), rbdi_trig_of(m, w, i, rbdi_flags(l)), F);
+        rbdi_store_force(wrench, stride, F);
     }
 }
 
@@ -5659,7 +5650,6 @@ RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
 RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask doubt, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
     rbd_real inertia[6], S[6], V[6];
-    rbdi_pose X;
 
     /* the inertias of the link's bodies */
     for (int b = 0; b < m->nb; ++b) {
@@ -5679,13 +5669,7 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
         rbdi_check_pivot(w, l->iv + k, e, doubt);
     }
 
-    if (l->parent < 0) return;
-
-    /* X' (K + rounding) X */
-    X = rbdi_pose_in_parent(m, w, i);
-    rbdi_add_rounding(K, 0);
-    rbdi_add_rounding(K, 3);
-    rbdi_carry_up(&X, K);
+    if (l->parent >= 0) rbdi_carry_up(m, w, i, K);
 }
 
 /* Checks the pivots of the last pass 2, leaves first. The sums of branch points' K stand where those of IA
@@ -5717,14 +5701,6 @@ RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doub
 
         rbdi_clear(K[0], 36);
     }
-}
-
-/* The status of rbd_aba. doubt: whether a pivot is in doubt; a: the results. */
-RBDI_INLINE rbd_status rbdi_aba_status(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *a) {
-    w->singular = -1;
-    if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_check_bodies(m, w, doubt);
-    return rbdi_pivot_status(m, w, a, m->nv);
 }
 
 /* ==== src/dynamics/hybrid.h ==== */
@@ -5841,6 +5817,8 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     const rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && a);
     if (status) return status;
 #ifndef RBD_NO_CHOLESKY
+    /* a joint and its mimic are one dof in two places of the tree, which no sweep can eliminate at one link
+       */
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
 
@@ -5849,7 +5827,11 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, rbdi_world_state(w->gravity).acc, a);
-    return rbdi_aba_status(m, w, doubt, a);
+
+    w->singular = -1;
+    if (!rbdi_any(doubt)) return RBD_OK;
+    rbdi_check_bodies(m, w, doubt);
+    return rbdi_pivot_status(m, w, a, m->nv);
 }
 
 #ifndef RBD_NO_CHOLESKY
@@ -6884,20 +6866,15 @@ RBDI_COLD void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
    orientations. */
 RBDI_COLD void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
     const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
-    int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
+    const int numbers = u->nq - (rbdi_has_quaternion(u->type) ? 4 : 0);
     if (u->nv == 1 && u->lower < u->upper) {
         q[0] = rbdi_draw(seed, u->lower, u->upper);
         return;
     }
 
-    if (u->type == RBD_PRISMATIC) shifts = 1;
-    if (u->type == RBD_PLANAR) shifts = 2;
-    if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = angles = 3;
-    if (u->type == RBD_SPHERICAL) angles = 0;
-    for (int k = 0; k < angles; ++k)
-        q[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
+    for (int k = 0; k < numbers && k < u->nv; ++k)
+        q[k] = rbdi_is_length(u->type, k) ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
 
-    if (u->type == RBD_CYLINDRICAL) q[1] = rbdi_draw(seed, -one, one);
     if (u->type == RBD_CONTINUOUS_CS) {
         const rbd_real angle = q[0];
         rbdi_sincos(angle, &q[1], &q[0]);
@@ -6937,7 +6914,7 @@ enum { RBDI_ORIGINS, RBDI_CENTRES };
 RBDI_INLINE rbdi_v3 rbdi_straight_point(const rbd_model *m, const rbdi_frame *u, int points) {
     const rbdi_link *l;
     rbd_real inverse;
-    if (points == RBDI_ORIGINS || u->link < 0) return rbdi_vec0();
+    if (points == RBDI_ORIGINS) return rbdi_vec0();
     l = &m->link[u->link];
     if (!(l->mass > 0)) return rbdi_vec0();
 
@@ -7065,7 +7042,7 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const rbd_real *first,
                                    const rbd_real *second, rbd_real *third) {
     const rbd_real one = rbdi_set(RBD_C(1));
-    rbd_real before = rbdi_zero(), after = before, t, share;
+    rbd_real before = rbdi_zero(), after = before, t, kept;
     rbdi_mask grows;
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real inverse = L[m->dof[k].row + m->dof[k].depth], old = second[k] - first[k],
@@ -7080,8 +7057,11 @@ RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const 
     /* t = 2 r - 1, at most 1 */
     t = (after + after) / before - one;
     t = rbdi_select(rbdi_less(one, t), one, t);
-    share = rbdi_select(grows, t * after / (before + after), rbdi_zero());
-    for (int k = 0; k < m->nv; ++k) third[k] = third[k] - share * (third[k] - first[k]);
+
+    /* y_3 = y_1 + (1 - t s) (y_3 - y_1): without a difference of large numbers where r is large */
+    kept = (before + (one - t) * after) / (before + after);
+    for (int k = 0; k < m->nv; ++k)
+        third[k] = rbdi_select(grows, first[k] + kept * (third[k] - first[k]), third[k]);
 }
 
 /* Columns of w->F, behind the scratch of a solution: three solutions, velocities, and accelerations. */

@@ -191,7 +191,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
    missing. The caller must check lambda: a foot may be asked to pull.
    a          nv, wanted, with J a + gamma = 0: for example the result of rbd_constrained_fd with another set,
               in which rows with gains describe the task, too
-   actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
+   actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints
    weight     rows, 0 (lambda costs nothing) or 1e-20 to 1e30; NULL: 1
    Errors: also RBD_ERR_RANGE, a weight out of its range. Mistry, Buchli and Schaal (2010). */
 RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
@@ -639,7 +639,7 @@ typedef struct rbdi_axes_held {
 } rbdi_axes_held;
 
 RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint *con, rbdi_axes_held *h) {
-    const rbdi_batch zero = rbdi_zero_batch();
+    const rbdi_batch zero = rbdi_all_lanes(rbdi_zero());
     for (int r = 0; r < con->rows; r += RBDI_BATCH)
         for (int i = con->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->axis[i][r] = zero;
 
@@ -896,7 +896,9 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof
     rbd_real *R = c->R + i * stride;
     for (int j = i; j <= c->rows; j += 2 * RBDI_BATCH) {
         rbdi_batches sum[6];
-        RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { sum[r].first = sum[r].second = rbdi_zero_batch(); }
+        RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
+            sum[r].first = sum[r].second = rbdi_all_lanes(rbdi_zero());
+        }
 
         while (dofs > 0 && c->span[dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
         for (int t = 0; t < dofs; ++t) {
@@ -1059,7 +1061,7 @@ RBDI_LOCAL void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int colum
 /* c->square of the rows from t on: of column j of Z, after t reflections, the sum of Z_kj^2 from k = t on. */
 RBDI_LOCAL void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
-        rbdi_batch sum = rbdi_zero_batch();
+        rbdi_batch sum = rbdi_all_lanes(rbdi_zero());
 
         for (int k = t; k < nv; ++k) {
             const rbdi_batch z = *(const rbdi_batch *)&c->R[k * c->stride + j];
@@ -1103,7 +1105,7 @@ RBDI_LOCAL void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     h[t] = head - R;
 
     for (int j = t + 1; j < c->rows; j += RBDI_BATCH) {
-        rbdi_batch sum = rbdi_zero_batch();
+        rbdi_batch sum = rbdi_all_lanes(rbdi_zero());
         for (int k = t; k < nv; ++k) sum = sum + *(const rbdi_batch *)&Z[k * stride + j] * h[k];
 
         sum = sum * scale;
@@ -1465,7 +1467,7 @@ RBDI_LOCAL int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask 
 /* Lengths of the rows of J L^-1: the root of the sum of Y_kr^2. */
 RBDI_LOCAL void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rbd_real *length) {
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
-        rbdi_batch sum = rbdi_zero_batch();
+        rbdi_batch sum = rbdi_all_lanes(rbdi_zero());
 
         for (int k = 0; k < m->nv; ++k) {
             const rbdi_batch y = *(const rbdi_batch *)&c->Y[k * c->stride + r];
@@ -1611,7 +1613,7 @@ RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, in
     /* K -= U/D Y */
     K[0] = K[0] - y * own->U_D.n.x;
     K[1] = K[1] - y * own->U_D.n.y;
-    K[2] = rbdi_zero_batch(); /* U_z/D = 1 */
+    K[2] = rbdi_all_lanes(rbdi_zero()); /* U_z/D = 1 */
     if (flags & (RBDI_SLIDES | RBDI_ARMATURE)) K[2] = z - y * own->U_D.n.z;
     K[3] = K[3] - y * own->U_D.f.x;
     K[4] = K[4] - y * own->U_D.f.y;
@@ -1649,7 +1651,7 @@ RBDI_LOCAL rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work 
 
     if (rbdi_free_base(l, b)) {
         rbdi_rows_dofs(bw, 0, 6, 1, &rows, Y, stride);
-        for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
+        for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_all_lanes(rbdi_zero());
     } else {
         rbd_real zeta[6];
         rbdi_store_motion(zeta, 1, w->scratch[i].c);
@@ -1688,7 +1690,7 @@ RBDI_LOCAL void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, co
     rbd_real *Y = c->Y + con->row + r;
     rbdi_row_wrenches rows, one;
     rbdi_batch world;
-    for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
+    for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_all_lanes(rbdi_zero());
     rows.b = rows.target = *(const rbdi_batch *)&c->target[con->row + r];
 
     /* from both links to their common ancestor, and on */
@@ -1827,7 +1829,8 @@ RBDI_LOCAL void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *co
                                 const rbd_real *restitution) {
     for (int r = con->row; r < con->row + con->rows; r += RBDI_BATCH) {
         const rbdi_batch v = *(const rbdi_batch *)&c->velocity[r];
-        rbdi_batch target = rbdi_zero_batch() - (restitution ? v : *(const rbdi_batch *)&c->gamma[r]);
+        rbdi_batch target =
+            rbdi_all_lanes(rbdi_zero()) - (restitution ? v : *(const rbdi_batch *)&c->gamma[r]);
 
         if (restitution) target = target - v * *restitution;
         if (!restitution && con->kd > 0) target = target - v * con->kd;
@@ -2035,10 +2038,9 @@ RBDI_LOCAL rbd_const rbdi_inverse_weight(const rbd_const *weight, int k, rbd_con
     return weight ? RBD_C(1) / (weight[k] > 0 ? weight[k] : free) : RBD_C(1);
 }
 
-/* Whether dof k has no motor: its flag is 0 or, without flags, its joint is a floating one at a root. */
+/* Whether dof k has no motor: its flag is 0 or, without flags, its joint is a floating one. */
 RBDI_LOCAL int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
-    const rbdi_frame *u = &m->frame[m->dof[k].body];
-    return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
+    return actuated ? !actuated[k] : m->frame[m->dof[k].body].type == RBD_FLOATING;
 }
 
 RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,

@@ -115,9 +115,9 @@ RBDI_API size_t rbd_contact_solve_size(int contacts, int bounded);
    p          rows: where to begin (0, or the solution before), then the solution, N s
    state      contacts: what each does; may be NULL
    solution   may be NULL
-   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0, or 46,000 rows and more: their
-   matrix has no int for an index; _RANGE, a friction, tolerance or number of
-   iterations below 0, or a lower bound above the upper one; _NAN, an entry of b or p is not finite: p = 0. */
+   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0, or 46,000 rows and more: their matrix has no int
+   for an index; _RANGE, a friction, tolerance or number of iterations below 0, or a lower bound above the
+   upper one; _NAN, an entry of delta, b or p is not finite: p = 0. */
 RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *memory, size_t size,
                                       rbd_real *p, rbd_contact_state *state, rbd_contact_solution *solution);
 
@@ -144,7 +144,7 @@ typedef struct rbd_contact {
 typedef struct rbd_contact_options {
     double margin; /* closer contacts are rows, m [0.005]; others where they may arrive within two steps */
     double slop;   /* penetration that is left, m [1e-5] */
-    double correction;  /* share of the rest that a step corrects [0.2] */
+    double correction;  /* share of the rest that a step corrects, up to 1 [0.2] */
     double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
     double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
     int iterations;     /* of each solution at most [40]; a step has two, or three where something rebounds */
@@ -1364,7 +1364,8 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
     if (status) return status;
 
     s.rows = 3 * problem->contacts + problem->bounded;
-    if (!rbdi_all_finite(problem->b, s.rows) || !rbdi_all_finite(p, s.rows)) {
+    if (!rbdi_all_finite(problem->delta, s.rows * s.rows) || !rbdi_all_finite(problem->b, s.rows) ||
+        !rbdi_all_finite(p, s.rows)) {
         rbdi_clear(p, s.rows);
         return RBD_ERR_NAN;
     }
@@ -1693,6 +1694,9 @@ RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_repor
     for (int j = 0; j < 7; ++j)
         if (!rbdi_finite_positive(&values[j], 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
+    if (o->correction > 1)
+        return rbdi_refuse_saying(report, RBD_ERR_RANGE, -1, NULL, "correction",
+                                  "above 1: a step would correct more than all, and shake");
     if (!o->momentum || !o->first_order) return RBD_OK;
 
     rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "momentum");
@@ -2833,7 +2837,7 @@ RBDI_LOCAL void rbdi_solve_apart(const rbd_model *m, rbd_contact_set *c, rbd_rea
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->half > 0 ? c->x[RBDI_X_CORRECTED_TWICE] : c->x[RBDI_X_UNCORRECTED], c->nu);
 
-    c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
+    c->jams = again && first.residual > RBDI_JAMS * asked;
     for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
 
     c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
@@ -2903,7 +2907,7 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
 
-    flies = !status && c->options.momentum && c->half > 0 && rbdi_any_flies(m, c);
+    flies = !status && c->options.momentum && rbdi_any_flies(m, c);
     if (flies) rbdi_wanted_momentum(m, c, q, v, tau, f_ext);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
     if (flies) rbdi_restore_momentum(m, c, q_next, v_next);

@@ -1337,7 +1337,7 @@ RBDI_INLINE void rbdi_put_both(const rbdi_batch *y, const rbdi_batch *z, const r
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
     const rbd_real *own = (const rbd_real *)columns + e->at;
-    const rbdi_batch zero = rbdi_zero_batch();
+    const rbdi_batch zero = rbdi_all_lanes(rbdi_zero());
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
 
     /* batches with dofs on the path only */
@@ -1372,7 +1372,7 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
 
 /* 0 in n entries of a row, up to whole batches. */
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
-    const rbdi_batch zero = rbdi_zero_batch();
+    const rbdi_batch zero = rbdi_all_lanes(rbdi_zero());
 
     for (int k = 0; k < n; k += RBDI_BATCH) {
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
@@ -2919,9 +2919,9 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
     rbd_body b;
     double trace, size = 0, Sigma[6];
     if (!pi) return RBD_ERR_NULL;
-    if (!(pi[0] >= 0 && pi[0] - pi[0] <= 0)) return RBD_ERR_MASS;
+    if (!(pi[0] >= 0 && rbdi_is_finite(pi[0]))) return RBD_ERR_MASS;
     for (int k = 1; k < 4; ++k)
-        if (!(pi[k] - pi[k] <= 0) || (!(pi[0] > 0) && (pi[k] < 0 || pi[k] > 0))) return RBD_ERR_COM;
+        if (!rbdi_is_finite(pi[k]) || (!(pi[0] > 0) && (pi[k] < 0 || pi[k] > 0))) return RBD_ERR_COM;
 
     for (int k = 4; k < 10; ++k) size += (double)(pi[k] < 0 ? -pi[k] : pi[k]);
     if (size <= 0) return RBD_OK;

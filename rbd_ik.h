@@ -128,7 +128,7 @@ typedef struct rbd_ik_result {
 /* Finds joint positions q within all limits for which all targets are reached; if there are none that it
    finds, those that minimise the sum of weight (metres^2 + length^2 radians^2), at least locally.
    w         what rbd_kinematics left there is replaced: call it anew before calls that read it
-   targets   n of them, n at least 1; those of one body may stand together, such as a point and an axis
+   targets   n of them, n at least 1; a body may have several, such as a point and an axis
    options   NULL: all defaults
    memory    size bytes of any alignment, scratch: RBD_IK_SIZE
    q         nq: where to begin, such as where the robot is; then the answer. Joints that move no target, and
@@ -139,8 +139,8 @@ typedef struct rbd_ik_result {
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
    below 1 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
    of a robot without mass; _MASSLESS, that of a robot some of whose joints move none; _RANGE, a weight, an
-   option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each start
-   overflow. */
+   option or q; _INFEASIBLE, some dofs of a joint are held, not all; _NAN, q is not finite, or the errors at
+   each start overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);
@@ -258,7 +258,7 @@ typedef struct rbdi_ik_dof {
 /* A step solves for a dof, leaves it where it is, or sets it on a limit. */
 enum { RBDI_IK_FREE, RBDI_IK_STAYS, RBDI_IK_LOWER, RBDI_IK_UPPER };
 
-/* One search. */
+/* One search: `ik` in these rooms. */
 typedef struct rbdi_ik {
     const rbd_model *m;
     rbd_work *w;
@@ -303,19 +303,13 @@ typedef struct rbdi_ik {
 RBDI_CODE_BEGIN
 
 /* ==== src/ik/step.h ==== */
-/* Interface: rbdi_ik_copy, rbdi_ik_larger, rbdi_ik_smaller */
+/* Interface: rbdi_ik_copy */
 
 /* ---- step [step] ---- */
 
 RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
 }
-
-/* The larger of two. */
-RBDI_INLINE rbd_real rbdi_ik_larger(rbd_real a, rbd_real b) { return a < b ? b : a; }
-
-/* The smaller of two. */
-RBDI_INLINE rbd_real rbdi_ik_smaller(rbd_real a, rbd_real b) { return a < b ? a : b; }
 
 /* Where row i of a packed upper triangle of n rows begins: with its diagonal entry. */
 RBDI_INLINE ptrdiff_t rbdi_ik_row(int n, int i) { return (ptrdiff_t)i * (2 * n - i + 1) / 2; }
@@ -334,14 +328,14 @@ RBDI_INLINE rbd_real rbdi_ik_product(const rbd_real *a, const rbd_real *b, int r
 }
 
 /* H = J'J and g = J'e. Returns the trace of H. */
-RBDI_LOCAL rbd_real rbdi_ik_normal(rbdi_ik *k) {
-    rbd_real trace = rbdi_zero(), *to = k->H;
+RBDI_LOCAL rbd_real rbdi_ik_normal(rbdi_ik *ik) {
+    rbd_real trace = rbdi_zero(), *to = ik->H;
 
-    for (int i = 0; i < k->dofs; ++i) {
-        const rbd_real *column = &k->J[i * k->rows];
+    for (int i = 0; i < ik->dofs; ++i) {
+        const rbd_real *column = &ik->J[i * ik->rows];
         const rbd_real *diagonal = to;
-        k->g[i] = rbdi_ik_product(column, k->e, k->rows);
-        for (int j = i; j < k->dofs; ++j) *to++ = rbdi_ik_product(column, &k->J[j * k->rows], k->rows);
+        ik->g[i] = rbdi_ik_product(column, ik->e, ik->rows);
+        for (int j = i; j < ik->dofs; ++j) *to++ = rbdi_ik_product(column, &ik->J[j * ik->rows], ik->rows);
         trace = trace + *diagonal;
     }
 
@@ -349,46 +343,47 @@ RBDI_LOCAL rbd_real rbdi_ik_normal(rbdi_ik *k) {
 }
 
 /* The limit of dof i at which q is and g presses, or RBDI_IK_FREE. */
-RBDI_INLINE int rbdi_ik_pressed(const rbdi_ik *k, int i) {
-    const rbdi_ik_dof *f = &k->dof[i];
+RBDI_INLINE int rbdi_ik_pressed(const rbdi_ik *ik, int i) {
+    const rbdi_ik_dof *f = &ik->dof[i];
     if (f->at < 0) return RBDI_IK_FREE;
-    if (k->g[i] < 0 && !(k->q[f->at] > f->lower)) return RBDI_IK_LOWER;
-    if (k->g[i] > 0 && !(k->q[f->at] < f->upper)) return RBDI_IK_UPPER;
+    if (ik->g[i] < 0 && !(ik->q[f->at] > f->lower)) return RBDI_IK_LOWER;
+    if (ik->g[i] > 0 && !(ik->q[f->at] < f->upper)) return RBDI_IK_UPPER;
     return RBDI_IK_FREE;
 }
 
 /* Entry (i, j) of H. */
-RBDI_INLINE rbd_real rbdi_ik_entry(const rbdi_ik *k, int i, int j) {
-    return i <= j ? k->H[rbdi_ik_row(k->dofs, i) + j - i] : k->H[rbdi_ik_row(k->dofs, j) + i - j];
+RBDI_INLINE rbd_real rbdi_ik_entry(const rbdi_ik *ik, int i, int j) {
+    return i <= j ? ik->H[rbdi_ik_row(ik->dofs, i) + j - i] : ik->H[rbdi_ik_row(ik->dofs, j) + i - j];
 }
 
 /* The equations of the n free dofs: the upper triangle of H + damping 1, and in x g - H d of the others. */
-RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *k, int n, rbd_real damping) {
-    rbd_real *to = k->factor;
+RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *ik, int n, rbd_real damping) {
+    rbd_real *to = ik->factor;
 
     for (int a = 0; a < n; ++a) {
-        const int i = k->solved[a];
-        const rbd_real *row = &k->H[rbdi_ik_row(k->dofs, i) - i];
+        const int i = ik->solved[a];
+        const rbd_real *row = &ik->H[rbdi_ik_row(ik->dofs, i) - i];
         *to++ = row[i] + damping;
-        for (int b = a + 1; b < n; ++b) *to++ = row[k->solved[b]];
-        k->x[a] = k->g[i];
+        for (int b = a + 1; b < n; ++b) *to++ = row[ik->solved[b]];
+        ik->x[a] = ik->g[i];
     }
 
-    for (int j = 0; j < k->dofs; ++j)
-        for (int a = 0; a < n && k->dof[j].hold > RBDI_IK_STAYS; ++a)
-            k->x[a] = k->x[a] - rbdi_ik_entry(k, k->solved[a], j) * k->d[j];
+    for (int j = 0; j < ik->dofs; ++j) {
+        if (ik->dof[j].hold <= RBDI_IK_STAYS) continue; /* its d is solved for, or 0 */
+        for (int a = 0; a < n; ++a) ik->x[a] = ik->x[a] - rbdi_ik_entry(ik, ik->solved[a], j) * ik->d[j];
+    }
 }
 
 /* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place.
    Returns whether all were positive. */
-RBDI_LOCAL int rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
-    rbd_real *row = k->factor, *x = k->x;
+RBDI_LOCAL int rbdi_ik_solve(rbdi_ik *ik, int n, rbd_real least) {
+    rbd_real *row = ik->factor, *x = ik->x;
     int definite = 1;
 
     /* A_ij = A_ij - A_ci A_cj / D_c, and so x */
     for (int c = 0; c < n; ++c) {
         rbd_real *to = row + n - c;
-        const rbd_real inverse = RBD_C(1) / rbdi_ik_larger(row[0], least);
+        const rbd_real inverse = RBD_C(1) / rbdi_larger(row[0], least);
 
         if (!(row[0] > 0)) definite = 0;
         row[0] = inverse;
@@ -412,21 +407,21 @@ RBDI_LOCAL int rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
 
 /* Takes the n free dofs' part of the step; those that would pass a limit are set on it. Returns whether there
    were any. */
-RBDI_LOCAL int rbdi_ik_set_on_limits(rbdi_ik *k, int n) {
+RBDI_LOCAL int rbdi_ik_set_on_limits(rbdi_ik *ik, int n) {
     int any = 0;
 
     for (int a = 0; a < n; ++a) {
-        const int i = k->solved[a];
-        rbdi_ik_dof *f = &k->dof[i];
-        k->d[i] = k->x[a];
+        const int i = ik->solved[a];
+        rbdi_ik_dof *f = &ik->dof[i];
+        ik->d[i] = ik->x[a];
         if (f->at < 0) continue;
 
-        if (k->q[f->at] + k->d[i] > f->upper) {
-            k->d[i] = f->upper - k->q[f->at];
+        if (ik->q[f->at] + ik->d[i] > f->upper) {
+            ik->d[i] = f->upper - ik->q[f->at];
             f->hold = RBDI_IK_UPPER;
             any = 1;
-        } else if (k->q[f->at] + k->d[i] < f->lower) {
-            k->d[i] = f->lower - k->q[f->at];
+        } else if (ik->q[f->at] + ik->d[i] < f->lower) {
+            ik->d[i] = f->lower - ik->q[f->at];
             f->hold = RBDI_IK_LOWER;
             any = 1;
         }
@@ -437,59 +432,63 @@ RBDI_LOCAL int rbdi_ik_set_on_limits(rbdi_ik *k, int n) {
 
 /* The step d from q: see [method]. H and g are those of q; least: a share of H that is rounding. Returns
    whether H + damping was definite. */
-RBDI_LOCAL int rbdi_ik_step(rbdi_ik *k, rbd_real damping, rbd_real least) {
+RBDI_LOCAL int rbdi_ik_step(rbdi_ik *ik, rbd_real damping, rbd_real least) {
     int more = 1, definite = 1;
 
-    for (int i = 0; i < k->dofs; ++i) {
-        k->d[i] = rbdi_zero();
-        k->dof[i].hold = (int16_t)(rbdi_ik_pressed(k, i) ? RBDI_IK_STAYS : RBDI_IK_FREE);
+    for (int i = 0; i < ik->dofs; ++i) {
+        ik->d[i] = rbdi_zero();
+        ik->dof[i].hold = (int16_t)(rbdi_ik_pressed(ik, i) ? RBDI_IK_STAYS : RBDI_IK_FREE);
     }
 
+    /* each round sets more dofs on limits, until none is left or none passes one */
     while (more) {
         int n = 0;
-        for (int i = 0; i < k->dofs; ++i)
-            if (k->dof[i].hold == RBDI_IK_FREE) k->solved[n++] = (int16_t)i;
-        rbdi_ik_gather(k, n, damping + least);
-        definite &= rbdi_ik_solve(k, n, least);
-        more = rbdi_ik_set_on_limits(k, n);
+        for (int i = 0; i < ik->dofs; ++i)
+            if (ik->dof[i].hold == RBDI_IK_FREE) ik->solved[n++] = (int16_t)i;
+
+        rbdi_ik_gather(ik, n, damping + least);
+        definite &= rbdi_ik_solve(ik, n, least);
+        more = rbdi_ik_set_on_limits(ik, n);
     }
 
     return definite;
 }
 
 /* The share of the step at which no dof turns by more than RBDI_IK_TURN. */
-RBDI_LOCAL rbd_real rbdi_ik_share(const rbdi_ik *k) {
+RBDI_LOCAL rbd_real rbdi_ik_share(const rbdi_ik *ik) {
     rbd_real most = rbdi_set(RBDI_IK_TURN);
-    for (int i = 0; i < k->dofs; ++i)
-        if (k->dof[i].turns) most = rbdi_ik_larger(most, rbdi_abs(k->d[i]));
+    for (int i = 0; i < ik->dofs; ++i)
+        if (ik->dof[i].turns) most = rbdi_larger(most, rbdi_abs(ik->d[i]));
     return RBDI_IK_TURN / most;
 }
 
 /* q_next = q (+) share d of the joints that move a target; the others are as in q. */
-RBDI_LOCAL void rbdi_ik_move_joints(rbdi_ik *k, rbd_real share, rbd_real *q_next) {
+RBDI_LOCAL void rbdi_ik_move_joints(rbdi_ik *ik, rbd_real share, rbd_real *q_next) {
     const rbdi_frame *last = NULL;
 
-    rbdi_ik_copy(k->q, k->m->nq, q_next);
-    for (int i = 0; i < k->dofs; ++i) k->v[k->dof[i].dof] = k->d[i] * share;
+    rbdi_ik_copy(ik->q, ik->m->nq, q_next);
+    for (int i = 0; i < ik->dofs; ++i) ik->v[ik->dof[i].dof] = ik->d[i] * share;
 
-    for (int i = 0; i < k->dofs; ++i) {
-        const rbdi_frame *u = &k->m->frame[k->m->dof[k->dof[i].dof].body];
+    for (int i = 0; i < ik->dofs; ++i) {
+        const rbdi_frame *u = &ik->m->frame[ik->m->dof[ik->dof[i].dof].body];
         if (u->nq == 1) /* the most */
-            q_next[u->iq] = k->q[u->iq] + k->v[u->iv];
+            q_next[u->iq] = ik->q[u->iq] + ik->v[u->iv];
         else if (u != last)
-            rbdi_step_joint(u, &k->q[u->iq], &k->v[u->iv], &q_next[u->iq]);
+            rbdi_step_joint(u, &ik->q[u->iq], &ik->v[u->iv], &q_next[u->iq]);
         last = u;
     }
 }
 
 /* Moves q by a share of the step to q_next, which may be q. Limits hold to the bit. */
-RBDI_LOCAL void rbdi_ik_move(rbdi_ik *k, rbd_real share, rbd_real *q_next) {
+RBDI_LOCAL void rbdi_ik_move(rbdi_ik *ik, rbd_real share, rbd_real *q_next) {
     const int whole = !(share < 1);
 
-    rbdi_ik_move_joints(k, share, q_next);
-    for (const rbdi_ik_dof *f = k->dof; f < k->dof + k->dofs; ++f) {
-        rbd_real *x = &q_next[f->at < 0 ? 0 : f->at];
+    rbdi_ik_move_joints(ik, share, q_next);
+    for (const rbdi_ik_dof *f = ik->dof; f < ik->dof + ik->dofs; ++f) {
+        rbd_real *x;
         if (f->at < 0) continue;
+
+        x = &q_next[f->at];
         if (*x > f->upper || (f->hold == RBDI_IK_UPPER && whole)) *x = f->upper;
         if (*x < f->lower || (f->hold == RBDI_IK_LOWER && whole)) *x = f->lower;
     }
@@ -568,10 +567,10 @@ RBDI_LOCAL rbdi_v3 rbdi_ik_way(const rbd_real *place, rbdi_v3 p) {
 }
 
 /* The turn, world axes, that a target wants. */
-RBDI_LOCAL rbdi_v3 rbdi_ik_wanted_turn(const rbdi_ik *k, const rbd_ik_target *t) {
+RBDI_LOCAL rbdi_v3 rbdi_ik_wanted_turn(const rbdi_ik *ik, const rbd_ik_target *t) {
     if (t->kind == RBD_IK_AXIS)
-        return rbdi_ik_turn(rbdi_ik_axis(k->m, k->w, t->body, t->axis), rbdi_ik_unit(t->direction));
-    return rbdi_ik_turn_to(t->rotation, rbdi_axes_of(k->m, k->w, t->body));
+        return rbdi_ik_turn(rbdi_ik_axis(ik->m, ik->w, t->body, t->axis), rbdi_ik_unit(t->direction));
+    return rbdi_ik_turn_to(t->rotation, rbdi_axes_of(ik->m, ik->w, t->body));
 }
 
 /* Centre of mass of one body. */
@@ -582,54 +581,54 @@ RBDI_LOCAL rbdi_v3 rbdi_ik_body_com(const rbd_model *m, const rbd_work *w, const
 }
 
 /* Centre of mass of all bodies that a joint moves. */
-RBDI_LOCAL rbdi_v3 rbdi_ik_com(const rbdi_ik *k) {
-    const rbd_model *m = k->m;
+RBDI_LOCAL rbdi_v3 rbdi_ik_com(const rbdi_ik *ik) {
+    const rbd_model *m = ik->m;
     rbdi_v3 sum = rbdi_vec0();
 
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
         if (u->link >= 0)
-            sum = rbdi_add(sum, rbdi_scale(rbdi_set(u->mass / k->all), rbdi_ik_body_com(m, k->w, u)));
+            sum = rbdi_add(sum, rbdi_scale(rbdi_set(u->mass / ik->all), rbdi_ik_body_com(m, ik->w, u)));
 
     return sum;
 }
 
 /* Appends an error to e, with its weight; returns its length. */
-RBDI_LOCAL rbd_real rbdi_ik_append(rbdi_ik *k, int *row, rbd_real factor, rbdi_v3 error) {
+RBDI_LOCAL rbd_real rbdi_ik_append(rbdi_ik *ik, int *row, rbd_real factor, rbdi_v3 error) {
     const rbdi_v3 scaled = rbdi_scale(factor, error);
-    rbdi_store_vec(&k->e[*row], 1, scaled);
+    rbdi_store_vec(&ik->e[*row], 1, scaled);
     *row += 3;
-    k->cost = k->cost + rbdi_dot(scaled, scaled);
+    ik->cost = ik->cost + rbdi_dot(scaled, scaled);
     return rbdi_sqrt(rbdi_dot(error, error));
 }
 
 /* e and |e|^2 at q, angles before lengths; also the largest distance and angle. */
-RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *k, const rbd_real *q) {
+RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *ik, const rbd_real *q) {
     int row = 0;
 
-    if (k->alone >= 0)
-        rbd_body_kinematics(k->m, k->w, k->alone, q, NULL, NULL);
+    if (ik->alone >= 0)
+        rbd_body_kinematics(ik->m, ik->w, ik->alone, q, NULL, NULL);
     else
-        rbd_kinematics(k->m, k->w, q, NULL, NULL);
+        rbd_kinematics(ik->m, ik->w, q, NULL, NULL);
 
-    ++k->result->evaluations;
-    k->cost = rbdi_zero();
-    k->result->metres = rbdi_zero();
-    k->result->radians = rbdi_zero();
+    ++ik->result->evaluations;
+    ik->cost = rbdi_zero();
+    ik->result->metres = rbdi_zero();
+    ik->result->radians = rbdi_zero();
 
-    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
+    for (const rbd_ik_target *t = ik->target; t < ik->target + ik->n; ++t) {
         const rbd_real factor = rbdi_ik_factor(t);
 
         if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
-            const rbdi_v3 turn = rbdi_ik_wanted_turn(k, t);
-            const rbd_real angle = rbdi_ik_append(k, &row, factor * k->options.length, turn);
-            k->result->radians = rbdi_ik_larger(k->result->radians, angle);
+            const rbdi_v3 turn = rbdi_ik_wanted_turn(ik, t);
+            const rbd_real angle = rbdi_ik_append(ik, &row, factor * ik->options.length, turn);
+            ik->result->radians = rbdi_larger(ik->result->radians, angle);
         }
 
         if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) {
-            const rbdi_v3 at =
-                t->kind == RBD_IK_COM ? rbdi_ik_com(k) : rbdi_point_position(k->m, k->w, t->body, t->point);
-            const rbd_real distance = rbdi_ik_append(k, &row, factor, rbdi_ik_way(t->position, at));
-            k->result->metres = rbdi_ik_larger(k->result->metres, distance);
+            const rbdi_v3 at = t->kind == RBD_IK_COM ? rbdi_ik_com(ik)
+                                                     : rbdi_point_position(ik->m, ik->w, t->body, t->point);
+            const rbd_real distance = rbdi_ik_append(ik, &row, factor, rbdi_ik_way(t->position, at));
+            ik->result->metres = rbdi_larger(ik->result->metres, distance);
         }
     }
 }
@@ -684,14 +683,14 @@ RBDI_LOCAL void rbdi_ik_com_jacobian(const rbd_model *m, const rbd_work *w, rbd_
     }
 }
 
-/* Copies three rows of k->columns into J from `row` on; without the part along `off`, if there is any. */
-RBDI_LOCAL void rbdi_ik_put_rows(rbdi_ik *k, int *row, rbd_real factor, int from, const rbdi_v3 *off) {
-    const ptrdiff_t nv = k->m->nv;
+/* Copies three rows of ik->columns into J from `row` on; without the part along `off`, if there is any. */
+RBDI_LOCAL void rbdi_ik_put_rows(rbdi_ik *ik, int *row, rbd_real factor, int from, const rbdi_v3 *off) {
+    const ptrdiff_t nv = ik->m->nv;
 
-    for (int i = 0; i < k->dofs; ++i) {
-        rbdi_v3 c = rbdi_load_vec(&k->columns[from * nv + k->dof[i].dof], nv);
+    for (int i = 0; i < ik->dofs; ++i) {
+        rbdi_v3 c = rbdi_load_vec(&ik->columns[from * nv + ik->dof[i].dof], nv);
         if (off) c = rbdi_ik_part_across(c, *off);
-        rbdi_store_vec(&k->J[i * k->rows + *row], 1, rbdi_scale(factor, c));
+        rbdi_store_vec(&ik->J[i * ik->rows + *row], 1, rbdi_scale(factor, c));
     }
 
     *row += 3;
@@ -699,23 +698,24 @@ RBDI_LOCAL void rbdi_ik_put_rows(rbdi_ik *k, int *row, rbd_real factor, int from
 
 /* J at the place of the last rbdi_ik_errors. A turn e of length angle changes by dangle = -n omega, n along
    e: so g = J'e is exact, and J without the part along the axis. */
-RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
+RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *ik) {
     int row = 0;
 
-    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
+    for (const rbd_ik_target *t = ik->target; t < ik->target + ik->n; ++t) {
         const rbd_real factor = rbdi_ik_factor(t);
 
         if (t->kind == RBD_IK_COM)
-            rbdi_ik_com_jacobian(k->m, k->w, k->all, k->mass, &k->columns[3 * k->m->nv]);
+            rbdi_ik_com_jacobian(ik->m, ik->w, ik->all, ik->mass, &ik->columns[3 * ik->m->nv]);
         else
-            rbd_jacobian(k->m, k->w, t->body, t->point, RBD_WORLD_AXES, k->columns);
+            rbd_jacobian(ik->m, ik->w, t->body, t->point, RBD_WORLD_AXES, ik->columns);
 
         if (t->kind == RBD_IK_AXIS) {
-            const rbdi_v3 axis = rbdi_ik_axis(k->m, k->w, t->body, t->axis);
-            rbdi_ik_put_rows(k, &row, factor * k->options.length, 0, &axis);
+            const rbdi_v3 axis = rbdi_ik_axis(ik->m, ik->w, t->body, t->axis);
+            rbdi_ik_put_rows(ik, &row, factor * ik->options.length, 0, &axis);
         }
-        if (rbdi_ik_turns_body(t->kind)) rbdi_ik_put_rows(k, &row, factor * k->options.length, 0, NULL);
-        if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) rbdi_ik_put_rows(k, &row, factor, 3, NULL);
+        if (rbdi_ik_turns_body(t->kind)) rbdi_ik_put_rows(ik, &row, factor * ik->options.length, 0, NULL);
+        if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM)
+            rbdi_ik_put_rows(ik, &row, factor, 3, NULL);
     }
 }
 
@@ -730,19 +730,25 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
    For two dofs of one floating or planar joint, use the mean of both orders. What mimic joints add is left
    out.
 
-   If a turn of angle a about n is left, a turn w changes a^2/2 in second order by
+   Let a turn of angle a about the unit vector n be left. A further turn w changes a^2/2 in second order by
 
-       w'(n n' + c (1 - n n')) w / 2,   c = (a/2) cot(a/2)
+       w' (n n' + c (1 - n n')) w / 2            c = (a/2) cot(a/2)
 
-   Of an axis s, which a turn about s leaves, it is the same without the part along s, with c = a cot a, and
-   a (s w) ((s x n) w) / 2, because the way of s is no great circle then. Centres of mass are left out. */
+   because rotations are unit quaternions, on whose sphere angles are half as large, and on a unit sphere half
+   the square of a distance x has the second derivative 1 along the way and x cot x across it. A direction s
+   is a point of the unit sphere itself, and a turn about s does not change it:
+
+       w' (n n' + c (1 - n n' - s s')) w / 2     c = a cot a
+
+   The step from s by w is exp(w) s. Unless w is perpendicular to s, it is no great circle, and adds the term
+   a (s'w) ((s x n)'w) / 2. The tests compare both with differences. Centres of mass are left out. */
 
 /* The error of one target that is left, and what follows from it. */
 typedef struct rbdi_ik_bend {
     rbdi_v3 place, turn; /* factor^2 times the error */
     rbdi_v3 n, s;        /* unit vectors, or 0 */
-    rbdi_v3 side;        /* s x turn */
-    rbd_real lack;       /* factor^2 (1 - c) */
+    rbdi_v3 side;        /* s x turn: of the term (s'w) ((s x n)'w) */
+    rbd_real lack;       /* factor^2 (1 - c): what the Hessian lacks of J'J across n */
 } rbdi_ik_bend;
 
 /* x cot x, at least -1; x > 0. */
@@ -752,20 +758,20 @@ RBDI_LOCAL rbd_real rbdi_ik_cotangent(rbd_real x) {
     return x * c > -s ? x * c / s : rbdi_set(RBD_C(-1));
 }
 
-RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t, int *row) {
+RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *ik, const rbd_ik_target *t, int *row) {
     const rbd_real factor = rbdi_ik_factor(t);
-    const rbd_real angular = factor * k->options.length;
+    const rbd_real angular = factor * ik->options.length;
     rbdi_ik_bend b;
 
     b.place = b.turn = b.n = b.s = b.side = rbdi_vec0();
     b.lack = rbdi_zero();
 
     if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
-        const rbdi_v3 e = rbdi_load_vec(&k->e[*row], 1);
+        const rbdi_v3 e = rbdi_load_vec(&ik->e[*row], 1);
         const rbd_real length = rbdi_sqrt(rbdi_dot(e, e));
         const rbd_real angle = length / angular;
         b.turn = rbdi_scale(angular, e);
-        if (t->kind == RBD_IK_AXIS) b.s = rbdi_ik_axis(k->m, k->w, t->body, t->axis);
+        if (t->kind == RBD_IK_AXIS) b.s = rbdi_ik_axis(ik->m, ik->w, t->body, t->axis);
         b.side = rbdi_cross(b.s, b.turn);
         if (angle > RBDI_IK_STRAIGHT) {
             const rbd_real half = t->kind == RBD_IK_AXIS ? angle : RBD_C(0.5) * angle;
@@ -775,7 +781,7 @@ RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t
         *row += 3;
     }
 
-    if (rbdi_ik_moves_point(t->kind)) b.place = rbdi_scale(factor, rbdi_load_vec(&k->e[*row], 1));
+    if (rbdi_ik_moves_point(t->kind)) b.place = rbdi_scale(factor, rbdi_load_vec(&ik->e[*row], 1));
     if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) *row += 3;
     return b;
 }
@@ -799,18 +805,18 @@ RBDI_INLINE int rbdi_ik_together(const rbd_model *m, int i, int j) {
     return m->dof[i].body == m->dof[j].body && rbdi_is(&m->link[u->link], RBDI_BLOCK);
 }
 
-/* Takes the curvature of one target, whose Jacobian is in k->columns, from H. */
-RBDI_LOCAL void rbdi_ik_curve_of(rbdi_ik *k, const rbdi_ik_bend *b) {
-    const rbd_model *m = k->m;
-    rbd_real *H = k->H;
+/* Takes the curvature of one target, whose Jacobian is in ik->columns, from H. */
+RBDI_LOCAL void rbdi_ik_curve_of(rbdi_ik *ik, const rbdi_ik_bend *b) {
+    const rbd_model *m = ik->m;
+    rbd_real *H = ik->H;
 
-    for (int r = 0; r < k->dofs; ++r) {
-        const int i = k->dof[r].dof;
-        const rbdi_motion one = rbdi_load_motion(&k->columns[i], m->nv);
+    for (int r = 0; r < ik->dofs; ++r) {
+        const int i = ik->dof[r].dof;
+        const rbdi_motion one = rbdi_load_motion(&ik->columns[i], m->nv);
 
-        for (int c = r; c < k->dofs; ++c, ++H) {
-            const int j = k->dof[c].dof;
-            const rbdi_motion two = rbdi_load_motion(&k->columns[j], m->nv);
+        for (int c = r; c < ik->dofs; ++c, ++H) {
+            const int j = ik->dof[c].dof;
+            const rbdi_motion two = rbdi_load_motion(&ik->columns[j], m->nv);
             rbd_real bent;
 
             if (rbdi_ik_together(m, i, j))
@@ -823,14 +829,14 @@ RBDI_LOCAL void rbdi_ik_curve_of(rbdi_ik *k, const rbdi_ik_bend *b) {
 }
 
 /* Takes the curvature of all targets from H, after rbdi_ik_normal. */
-RBDI_LOCAL void rbdi_ik_curve(rbdi_ik *k) {
+RBDI_LOCAL void rbdi_ik_curve(rbdi_ik *ik) {
     int row = 0;
 
-    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
-        const rbdi_ik_bend b = rbdi_ik_bend_of(k, t, &row);
+    for (const rbd_ik_target *t = ik->target; t < ik->target + ik->n; ++t) {
+        const rbdi_ik_bend b = rbdi_ik_bend_of(ik, t, &row);
         if (t->kind == RBD_IK_COM) continue;
-        rbd_jacobian(k->m, k->w, t->body, t->point, RBD_WORLD_AXES, k->columns);
-        rbdi_ik_curve_of(k, &b);
+        rbd_jacobian(ik->m, ik->w, t->body, t->point, RBD_WORLD_AXES, ik->columns);
+        rbdi_ik_curve_of(ik, &b);
     }
 }
 
@@ -872,30 +878,30 @@ RBDI_LOCAL void rbdi_ik_limits(const rbd_model *m, rbdi_ik_dof *f) {
 }
 
 /* The dofs that move a target and are not held. */
-RBDI_LOCAL void rbdi_ik_find_dofs(rbdi_ik *k) {
-    const rbd_model *m = k->m;
-    int16_t *mark = k->mark;
+RBDI_LOCAL void rbdi_ik_find_dofs(rbdi_ik *ik) {
+    const rbd_model *m = ik->m;
+    int16_t *mark = ik->mark;
 
     for (int i = 0; i < m->nv; ++i) mark[i] = 0;
-    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
+    for (const rbd_ik_target *t = ik->target; t < ik->target + ik->n; ++t) {
         if (t->kind != RBD_IK_COM) rbdi_ik_mark(m, m->frame[t->body].link, mark);
         for (int i = 0; t->kind == RBD_IK_COM && i < m->nl; ++i) rbdi_ik_mark(m, i, mark);
     }
 
-    k->dofs = 0;
+    ik->dofs = 0;
     for (int i = 0; i < m->nv; ++i) {
-        rbdi_ik_dof *f = &k->dof[k->dofs];
-        if (mark[i] == 0 || (k->options.held && k->options.held[i])) continue;
+        rbdi_ik_dof *f = &ik->dof[ik->dofs];
+        if (mark[i] == 0 || (ik->options.held && ik->options.held[i])) continue;
         f->dof = (int16_t)i;
         f->turns = mark[i] == 2;
         rbdi_ik_limits(m, f);
-        ++k->dofs;
+        ++ik->dofs;
     }
 }
 
 /* Puts q within the limits of these dofs. */
-RBDI_LOCAL void rbdi_ik_put_within(const rbdi_ik *k, rbd_real *q) {
-    for (const rbdi_ik_dof *f = k->dof; f < k->dof + k->dofs; ++f) {
+RBDI_LOCAL void rbdi_ik_put_within(const rbdi_ik *ik, rbd_real *q) {
+    for (const rbdi_ik_dof *f = ik->dof; f < ik->dof + ik->dofs; ++f) {
         if (f->at < 0) continue;
         if (q[f->at] > f->upper) q[f->at] = f->upper;
         if (q[f->at] < f->lower) q[f->at] = f->lower;
@@ -906,21 +912,21 @@ RBDI_LOCAL void rbdi_ik_put_within(const rbdi_ik *k, rbd_real *q) {
 /* ---- search [search] ---- */
 
 /* Whether there are evaluations left, but for the last one, which judges. */
-RBDI_INLINE int rbdi_ik_may_go_on(const rbdi_ik *k) {
-    return k->result->evaluations == 0 || k->result->evaluations < k->options.evaluations - 1;
+RBDI_INLINE int rbdi_ik_may_go_on(const rbdi_ik *ik) {
+    return ik->result->evaluations == 0 || ik->result->evaluations < ik->options.evaluations - 1;
 }
 
 /* Whether the errors of the last evaluation are within the tolerances. */
-RBDI_INLINE int rbdi_ik_is_reached(const rbdi_ik *k) {
-    return k->result->metres <= k->options.metres && k->result->radians <= k->options.radians &&
-           k->cost < RBDI_IK_OVERFLOW;
+RBDI_INLINE int rbdi_ik_is_reached(const rbdi_ik *ik) {
+    return ik->result->metres <= ik->options.metres && ik->result->radians <= ik->options.radians &&
+           ik->cost < RBDI_IK_OVERFLOW;
 }
 
 /* Keeps the place q of the last evaluation if it is the best so far. */
-RBDI_LOCAL void rbdi_ik_keep(rbdi_ik *k, const rbd_real *q) {
-    if (!(k->cost < k->best_cost)) return;
-    k->best_cost = k->cost;
-    rbdi_ik_copy(q, k->m->nq, k->best);
+RBDI_LOCAL void rbdi_ik_keep(rbdi_ik *ik, const rbd_real *q) {
+    if (!(ik->cost < ik->best_cost)) return;
+    ik->best_cost = ik->cost;
+    rbdi_ik_copy(q, ik->m->nq, ik->best);
 }
 
 /* The root above 1 of x^(n + 1) = x + 1, by Newton's method. It comes from above: (1 + 1/n)^n >= 2. */
@@ -937,31 +943,33 @@ RBDI_LOCAL rbd_real rbdi_ik_golden(int n) {
     return x;
 }
 
-/* How far from q starts are drawn where limits are wide: so far that what moves most slowly, the joint or one
-   that mimics it, makes a turn, or a slide its length. */
-RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *k, const rbdi_ik_dof *f) {
-    const rbdi_frame *u = &k->m->frame[k->m->dof[f->dof].body];
-    const rbd_real slide = RBDI_IK_WIDE * k->options.length,
-                   pitch = rbdi_abs(rbdi_set(k->m->link[u->link].kappa));
-    rbd_real most = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : slide, least = rbdi_set(RBD_C(1));
+/* How far from q starts are drawn where limits are wide. An angle goes as far as one turn, a slide as far as
+   RBDI_IK_WIDE lengths. If joints mimic this one at a smaller ratio, the slowest of them goes as far. A screw
+   of little pitch goes on until it has slid as far as a slide. */
+RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *ik, const rbdi_ik_dof *f) {
+    const rbdi_frame *u = &ik->m->frame[ik->m->dof[f->dof].body];
+    const rbd_real slide = RBDI_IK_WIDE * ik->options.length,
+                   pitch = rbdi_abs(rbdi_set(ik->m->link[u->link].kappa));
+    rbd_real most = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : slide;
+    rbd_real least = rbdi_set(RBD_C(1)); /* of the ratios */
 
-    for (int j = 0; j < rbdi_mimics(k->m); ++j)
-        if (k->m->mimic[j].source_v == f->dof)
-            least = rbdi_ik_smaller(least, rbdi_abs(rbdi_set(k->m->mimic[j].ratio)));
+    for (int j = 0; j < rbdi_mimics(ik->m); ++j)
+        if (ik->m->mimic[j].source_v == f->dof)
+            least = rbdi_smaller(least, rbdi_abs(rbdi_set(ik->m->mimic[j].ratio)));
 
     if (f->turns && most * pitch < slide && pitch > 0) most = slide / pitch;
     return most < RBDI_IK_MOST * least ? most / least : rbdi_set(RBDI_IK_MOST);
 }
 
-/* A share of what a start may take of the limits of dof f, from k->q: see [method]. */
-RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *k, const rbdi_ik_dof *f, rbd_real share) {
-    const rbd_real q = k->q[f->at];
-    const rbd_real most = rbdi_ik_wide(k, f);
+/* A share of what a start may take of the limits of dof f, from ik->q: see [method]. */
+RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *ik, const rbdi_ik_dof *f, rbd_real share) {
+    const rbd_real q = ik->q[f->at];
+    const rbd_real most = rbdi_ik_wide(ik, f);
     rbd_real lower = f->lower, upper = f->upper;
 
     if (upper - lower > most + most) {
-        lower = rbdi_ik_larger(lower, q - most);
-        upper = rbdi_ik_smaller(upper, q + most);
+        lower = rbdi_larger(lower, q - most);
+        upper = rbdi_smaller(upper, q + most);
     }
 
     return lower + share * (upper - lower) - q;
@@ -969,16 +977,16 @@ RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *k, const rbdi_ik_dof *f, rbd_rea
 
 /* q of a start: the caller's; then share frac(1/2 + start golden^-(i + 1)) of the range of the ith dof. Any
    number of first starts is spread evenly (Roberts 2018). */
-RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
+RBDI_LOCAL void rbdi_ik_start(rbdi_ik *ik, int start) {
     const rbd_real pi = rbdi_set(RBDI_PI(rbd_const));
     rbd_real golden, part = rbdi_set((rbd_const)start);
 
-    rbdi_ik_copy(k->from, k->m->nq, k->q);
-    if (start == 0 || k->dofs == 0) return;
+    rbdi_ik_copy(ik->from, ik->m->nq, ik->q);
+    if (start == 0 || ik->dofs == 0) return;
 
-    golden = rbdi_ik_golden(k->dofs);
-    for (int i = 0; i < k->dofs; ++i) {
-        rbdi_ik_dof *f = &k->dof[i];
+    golden = rbdi_ik_golden(ik->dofs);
+    for (int i = 0; i < ik->dofs; ++i) {
+        rbdi_ik_dof *f = &ik->dof[i];
         rbd_real share;
 
         part = part / golden;
@@ -986,36 +994,38 @@ RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
         share = share - (rbd_const)(int)share;
 
         f->hold = RBDI_IK_FREE;
-        k->d[i] = f->turns ? (share + share - RBD_C(1)) * pi : rbdi_zero();
-        if (f->at >= 0) k->d[i] = rbdi_ik_draw(k, f, share);
+        ik->d[i] = f->turns ? (share + share - RBD_C(1)) * pi : rbdi_zero();
+        if (f->at >= 0) ik->d[i] = rbdi_ik_draw(ik, f, share);
     }
-    rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->q);
+    rbdi_ik_move(ik, rbdi_set(RBD_C(1)), ik->q);
 }
 
 /* A start of the search. Returns whether it reaches the targets. */
-RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
-    const rbd_real distant = RBDI_IK_FAR * k->options.length * k->options.length;
+RBDI_LOCAL int rbdi_ik_search(rbdi_ik *ik) {
+    const rbd_real distant = RBDI_IK_FAR * ik->options.length * ik->options.length;
     rbd_real mark = rbdi_set(RBDI_IK_OVERFLOW);
     int stalled = 0;
 
-    for (int step = 0; step < RBDI_IK_STEPS && rbdi_ik_may_go_on(k); ++step) {
+    for (int step = 0; step < RBDI_IK_STEPS && rbdi_ik_may_go_on(ik); ++step) {
         rbd_real damping, least;
-        rbdi_ik_errors(k, k->q);
-        rbdi_ik_keep(k, k->q);
-        if (rbdi_ik_is_reached(k)) return 1;
 
-        if (k->cost < RBD_C(0.25) * mark) {
-            mark = k->cost;
+        rbdi_ik_errors(ik, ik->q);
+        rbdi_ik_keep(ik, ik->q);
+        if (rbdi_ik_is_reached(ik)) return 1;
+
+        /* a start that gains too little is given up */
+        if (ik->cost < RBD_C(0.25) * mark) {
+            mark = ik->cost;
             stalled = 0;
         } else if (++stalled >= RBDI_IK_STALL) {
             return 0;
         }
 
-        rbdi_ik_jacobian(k);
-        least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
-        damping = RBDI_IK_DAMPING * (k->cost < distant ? k->cost : distant);
-        rbdi_ik_step(k, damping, least);
-        rbdi_ik_move(k, rbdi_ik_share(k), k->q);
+        rbdi_ik_jacobian(ik);
+        least = RBDI_IK_FLOOR * rbdi_ik_normal(ik) + RBDI_TINY;
+        damping = RBDI_IK_DAMPING * (ik->cost < distant ? ik->cost : distant);
+        rbdi_ik_step(ik, damping, least);
+        rbdi_ik_move(ik, rbdi_ik_share(ik), ik->q);
     }
 
     return 0;
@@ -1023,24 +1033,24 @@ RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
 
 /* g, and H with the curvature, at the place of the last evaluation. Returns the share of H that is
    rounding. */
-RBDI_LOCAL rbd_real rbdi_ik_quadratic(rbdi_ik *k) {
+RBDI_LOCAL rbd_real rbdi_ik_quadratic(rbdi_ik *ik) {
     rbd_real least;
 
-    rbdi_ik_jacobian(k);
-    least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
-    rbdi_ik_curve(k);
+    rbdi_ik_jacobian(ik);
+    least = RBDI_IK_FLOOR * rbdi_ik_normal(ik) + RBDI_TINY;
+    rbdi_ik_curve(ik);
     return least;
 }
 
 /* How much the step should bring |e|^2 down by the quadratic model with H of [curvature]: 2 g'd - d'H d. */
-RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
+RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *ik) {
     rbd_real sum = rbdi_zero();
-    const rbd_real *H = k->H;
+    const rbd_real *H = ik->H;
 
-    for (int i = 0; i < k->dofs; ++i) {
-        rbd_real Hd = RBD_C(0.5) * *H++ * k->d[i];
-        for (int j = i + 1; j < k->dofs; ++j) Hd = Hd + *H++ * k->d[j];
-        sum = sum + k->d[i] * (k->g[i] - Hd);
+    for (int i = 0; i < ik->dofs; ++i) {
+        rbd_real Hd = RBD_C(0.5) * *H++ * ik->d[i];
+        for (int j = i + 1; j < ik->dofs; ++j) Hd = Hd + *H++ * ik->d[j];
+        sum = sum + ik->d[i] * (ik->g[i] - Hd);
     }
 
     return sum + sum;
@@ -1050,47 +1060,48 @@ RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
    (Nielsen 1999): 1 at a half. */
 RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
     const rbd_real x = share + share - RBD_C(1);
-    const rbd_real factor = rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
+    const rbd_real factor = rbdi_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
     return factor < 2 ? factor : rbdi_set(RBD_C(2));
 }
 
 /* Goes down from q by at most so many steps, with the damping of Levenberg and Marquardt, until one brings
    |e|^2 down by less than a share `end`. Returns whether it reaches the targets. */
-RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
-    const rbd_real square = k->options.length * k->options.length;
+RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *ik, int steps, rbd_const end) {
+    const rbd_real square = ik->options.length * ik->options.length;
     const rbd_real most = RBDI_IK_STIFF * square;
     rbd_real damping = RBDI_IK_DAMPING * square;
     rbd_real factor = rbdi_set(RBD_C(2));
     rbd_real least = rbdi_zero();
     rbd_real cost;
     int fresh = 1;
-    if (!rbdi_ik_may_go_on(k)) return 0;
+    if (!rbdi_ik_may_go_on(ik)) return 0;
 
-    rbdi_ik_errors(k, k->q);
-    cost = k->cost;
-    rbdi_ik_keep(k, k->q);
-    if (rbdi_ik_is_reached(k)) return 1;
+    rbdi_ik_errors(ik, ik->q);
+    cost = ik->cost;
+    rbdi_ik_keep(ik, ik->q);
+    if (rbdi_ik_is_reached(ik)) return 1;
 
-    for (int step = 0; step < steps && rbdi_ik_may_go_on(k) && damping < most; ++step) {
-        rbd_real drop;
-        if (fresh) least = rbdi_ik_quadratic(k);
+    for (int step = 0; step < steps && rbdi_ik_may_go_on(ik) && damping < most; ++step) {
+        rbd_real drop = rbdi_zero();
+        if (fresh) least = rbdi_ik_quadratic(ik);
 
-        drop = rbdi_zero();
-        if (rbdi_ik_step(k, damping, least)) {
-            rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->trial);
-            rbdi_ik_errors(k, k->trial);
-            drop = cost - k->cost;
+        if (rbdi_ik_step(ik, damping, least)) {
+            rbdi_ik_move(ik, rbdi_set(RBD_C(1)), ik->trial);
+            rbdi_ik_errors(ik, ik->trial);
+            drop = cost - ik->cost;
         }
+
+        /* the next damping; a step that brings nothing is not taken */
         fresh = drop > 0;
-        damping = damping * (fresh ? rbdi_ik_relax(drop / rbdi_ik_expected(k)) : factor);
+        damping = damping * (fresh ? rbdi_ik_relax(drop / rbdi_ik_expected(ik)) : factor);
         factor = fresh ? rbdi_set(RBD_C(2)) : factor + factor;
         if (!fresh) continue;
 
-        rbdi_ik_keep(k, k->trial);
-        rbdi_ik_copy(k->trial, k->m->nq, k->q);
-        if (rbdi_ik_is_reached(k)) return 1;
+        rbdi_ik_keep(ik, ik->trial);
+        rbdi_ik_copy(ik->trial, ik->m->nq, ik->q);
+        if (rbdi_ik_is_reached(ik)) return 1;
         if (drop < end * cost) break;
-        cost = k->cost;
+        cost = ik->cost;
     }
 
     return 0;
@@ -1099,67 +1110,70 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
 /* Where g is 0 and H has a negative direction, as of a stretched arm that could fold, q is no nearest place:
    a small motion of all dofs leaves it. Returns whether the best place is such a one, q then being beside
    it. */
-RBDI_LOCAL int rbdi_ik_leave_saddle(rbdi_ik *k) {
-    if (!rbdi_ik_may_go_on(k)) return 0;
+RBDI_LOCAL int rbdi_ik_leave_saddle(rbdi_ik *ik) {
+    if (!rbdi_ik_may_go_on(ik)) return 0;
 
-    rbdi_ik_copy(k->best, k->m->nq, k->q);
-    rbdi_ik_errors(k, k->q);
-    if (rbdi_ik_step(k, rbdi_zero(), rbdi_ik_quadratic(k))) return 0;
+    rbdi_ik_copy(ik->best, ik->m->nq, ik->q);
+    rbdi_ik_errors(ik, ik->q);
+    if (rbdi_ik_step(ik, rbdi_zero(), rbdi_ik_quadratic(ik))) return 0;
 
-    for (int i = 0; i < k->dofs; ++i) {
-        const rbd_real aside = k->dof[i].turns ? rbdi_set(RBDI_IK_ASIDE) : RBDI_IK_ASIDE * k->options.length;
-        k->d[i] = i % 2 ? rbdi_zero() - aside : aside;
-        k->dof[i].hold = RBDI_IK_FREE;
+    for (int i = 0; i < ik->dofs; ++i) {
+        const rbd_real aside =
+            ik->dof[i].turns ? rbdi_set(RBDI_IK_ASIDE) : RBDI_IK_ASIDE * ik->options.length;
+        ik->d[i] = i % 2 ? rbdi_zero() - aside : aside;
+        ik->dof[i].hold = RBDI_IK_FREE;
     }
 
-    rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->q);
+    rbdi_ik_move(ik, rbdi_set(RBD_C(1)), ik->q);
     return 1;
 }
 
 /* Descents from the best place and from the first starts, then a long one from the best of all, and another
    if that ends on a saddle. Returns whether one reaches the targets. */
-RBDI_LOCAL int rbdi_ik_find_nearest(rbdi_ik *k) {
-    const int descents = k->options.starts < RBDI_IK_DESCENTS ? k->options.starts : RBDI_IK_DESCENTS;
+RBDI_LOCAL int rbdi_ik_find_nearest(rbdi_ik *ik) {
+    const int descents = ik->options.starts < RBDI_IK_DESCENTS ? ik->options.starts : RBDI_IK_DESCENTS;
 
     for (int i = 0; i < descents; ++i) {
-        if (i > 0)
-            rbdi_ik_start(k, i);
-        else
-            rbdi_ik_copy(k->best, k->m->nq, k->q);
-        if (rbdi_ik_descend(k, RBDI_IK_STEPS, RBDI_IK_COARSE)) return 1;
+        if (i > 0) {
+            rbdi_ik_start(ik, i);
+        } else {
+            rbdi_ik_copy(ik->best, ik->m->nq, ik->q);
+        }
+
+        if (rbdi_ik_descend(ik, RBDI_IK_STEPS, RBDI_IK_COARSE)) return 1;
     }
 
-    rbdi_ik_copy(k->best, k->m->nq, k->q);
-    if (rbdi_ik_descend(k, RBDI_IK_LAST * RBDI_IK_STEPS, RBDI_IK_FINE)) return 1;
-    return rbdi_ik_leave_saddle(k) && rbdi_ik_descend(k, RBDI_IK_LAST * RBDI_IK_STEPS, RBDI_IK_FINE);
+    rbdi_ik_copy(ik->best, ik->m->nq, ik->q);
+    if (rbdi_ik_descend(ik, RBDI_IK_LAST * RBDI_IK_STEPS, RBDI_IK_FINE)) return 1;
+    return rbdi_ik_leave_saddle(ik) && rbdi_ik_descend(ik, RBDI_IK_LAST * RBDI_IK_STEPS, RBDI_IK_FINE);
 }
 
 /* Says why the targets are not reached at q: by g = J'e, as a share of |e| and the longest column of J. */
-RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *k) {
+RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *ik) {
     rbd_real longest = rbdi_zero();
     rbd_real most = rbdi_zero();
     rbd_real left = rbdi_zero();
     rbd_real size;
 
-    rbdi_ik_errors(k, k->q);
-    rbdi_ik_jacobian(k);
-    rbdi_ik_normal(k);
-    for (int i = 0; i < k->dofs; ++i) longest = rbdi_ik_larger(longest, k->H[rbdi_ik_row(k->dofs, i)]);
-    size = rbdi_sqrt(longest * k->cost);
+    rbdi_ik_errors(ik, ik->q);
+    rbdi_ik_jacobian(ik);
+    rbdi_ik_normal(ik);
+    for (int i = 0; i < ik->dofs; ++i) longest = rbdi_larger(longest, ik->H[rbdi_ik_row(ik->dofs, i)]);
+    size = rbdi_sqrt(longest * ik->cost);
 
-    for (int i = 0; i < k->dofs; ++i) {
-        const rbd_real slope = rbdi_abs(k->g[i]);
-        if (!rbdi_ik_pressed(k, i)) {
-            left = rbdi_ik_larger(left, slope);
+    for (int i = 0; i < ik->dofs; ++i) {
+        const rbd_real slope = rbdi_abs(ik->g[i]);
+        if (!rbdi_ik_pressed(ik, i)) {
+            left = rbdi_larger(left, slope);
         } else if (slope > RBDI_IK_PRESSED * size) {
-            ++k->result->limits;
-            if (slope > most) k->result->limit = k->dof[i].dof;
-            most = rbdi_ik_larger(most, slope);
+            ++ik->result->limits;
+            if (slope > most) ik->result->limit = ik->dof[i].dof;
+            most = rbdi_larger(most, slope);
         }
     }
 
     if (left > RBDI_IK_SETTLED * size) return RBD_IK_EVALUATIONS;
-    return k->result->limits > 0 ? RBD_IK_AT_LIMIT : RBD_IK_NEAREST;
+    return ik->result->limits > 0 ? RBD_IK_AT_LIMIT : RBD_IK_NEAREST;
 }
 
 /* ==== src/ik/check.h ==== */
@@ -1257,7 +1271,7 @@ RBDI_LOCAL rbd_status rbdi_ik_check_held(const rbd_model *m, const unsigned char
 
 RBDI_LOCAL rbd_status rbdi_ik_check_q(const rbd_model *m, const rbd_real *q, rbd_ik_result *result) {
     for (int i = 0; i < m->nq; ++i) {
-        if (!(q[i] - q[i] <= 0)) return rbdi_ik_refuse(result, RBD_ERR_NAN, -1, "q");
+        if (!rbdi_is_finite(q[i])) return rbdi_ik_refuse(result, RBD_ERR_NAN, -1, "q");
         if (rbdi_abs(q[i]) > RBDI_IK_MOST) return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "q");
     }
     return RBD_OK;
@@ -1301,75 +1315,75 @@ RBDI_LOCAL rbd_ik_options rbdi_ik_defaults(const rbd_ik_options *given) {
 RBDI_LOCAL rbdi_ik *rbdi_ik_lay_out(const rbd_model *m, int n, void *memory) {
     const int nv = m->nv, triangle = nv * (nv + 1) / 2;
     unsigned char *at = rbdi_aligned(memory);
-    rbdi_ik *k = RBDI_CUT(rbdi_ik, 1);
-    k->dof = RBDI_CUT(rbdi_ik_dof, nv);
-    k->mark = RBDI_CUT(int16_t, nv);
-    k->solved = k->mark;
+    rbdi_ik *ik = RBDI_CUT(rbdi_ik, 1);
+    ik->dof = RBDI_CUT(rbdi_ik_dof, nv);
+    ik->mark = RBDI_CUT(int16_t, nv);
+    ik->solved = ik->mark;
 
-    k->e = (rbd_real *)at;
-    k->J = k->e + 6 * n;
-    k->columns = k->J + 6 * n * nv;
-    k->H = k->columns + 6 * nv;
-    k->factor = k->H + triangle;
-    k->g = k->factor + triangle;
-    k->d = k->g + nv;
-    k->x = k->d + nv;
-    k->v = k->x + nv;
-    k->from = k->v + nv;
-    k->best = k->from + m->nq;
-    k->q = k->best + m->nq;
-    k->trial = k->q + m->nq;
-    k->mass = k->trial + m->nq;
-    return k;
+    ik->e = (rbd_real *)at;
+    ik->J = ik->e + 6 * n;
+    ik->columns = ik->J + 6 * n * nv;
+    ik->H = ik->columns + 6 * nv;
+    ik->factor = ik->H + triangle;
+    ik->g = ik->factor + triangle;
+    ik->d = ik->g + nv;
+    ik->x = ik->d + nv;
+    ik->v = ik->x + nv;
+    ik->from = ik->v + nv;
+    ik->best = ik->from + m->nq;
+    ik->q = ik->best + m->nq;
+    ik->trial = ik->q + m->nq;
+    ik->mass = ik->trial + m->nq;
+    return ik;
 }
 
 /* Makes the search ready to begin from q. */
 RBDI_LOCAL rbdi_ik *rbdi_ik_begin(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                                   const rbd_ik_options *options, void *memory, const rbd_real *q,
                                   rbd_ik_result *result) {
-    rbdi_ik *k = rbdi_ik_lay_out(m, n, memory);
-    k->m = m;
-    k->w = w;
-    k->target = targets;
-    k->n = n;
-    k->options = rbdi_ik_defaults(options);
-    k->result = result;
-    k->alone = n == 1 && targets->kind != RBD_IK_COM ? targets->body : -1;
-    k->all = rbd_mass(m);
-    k->best_cost = rbdi_set(RBDI_IK_OVERFLOW);
+    rbdi_ik *ik = rbdi_ik_lay_out(m, n, memory);
+    ik->m = m;
+    ik->w = w;
+    ik->target = targets;
+    ik->n = n;
+    ik->options = rbdi_ik_defaults(options);
+    ik->result = result;
+    ik->alone = n == 1 && targets->kind != RBD_IK_COM ? targets->body : -1;
+    ik->all = rbd_mass(m);
+    ik->best_cost = rbdi_set(RBDI_IK_OVERFLOW);
 
-    k->rows = 0;
-    for (int i = 0; i < n; ++i) k->rows += rbdi_ik_rows_of(targets[i].kind);
-    rbdi_clear(k->v, m->nv);
-    rbdi_ik_find_dofs(k);
-    rbdi_ik_copy(q, m->nq, k->from);
-    rbdi_ik_put_within(k, k->from);
-    return k;
+    ik->rows = 0;
+    for (int i = 0; i < n; ++i) ik->rows += rbdi_ik_rows_of(targets[i].kind);
+    rbdi_clear(ik->v, m->nv);
+    rbdi_ik_find_dofs(ik);
+    rbdi_ik_copy(q, m->nq, ik->from);
+    rbdi_ik_put_within(ik, ik->from);
+    return ik;
 }
 
-/* Searches; then looks for the nearest place. k->q is the answer. */
-RBDI_LOCAL rbd_ik_status rbdi_ik_run(rbdi_ik *k) {
-    for (int i = 0; i < k->options.starts && rbdi_ik_may_go_on(k); ++i) {
-        ++k->result->starts;
-        rbdi_ik_start(k, i);
-        if (rbdi_ik_search(k)) return RBD_IK_REACHED;
+/* Searches; then looks for the nearest place. ik->q is the answer. */
+RBDI_LOCAL rbd_ik_status rbdi_ik_run(rbdi_ik *ik) {
+    for (int i = 0; i < ik->options.starts && rbdi_ik_may_go_on(ik); ++i) {
+        ++ik->result->starts;
+        rbdi_ik_start(ik, i);
+        if (rbdi_ik_search(ik)) return RBD_IK_REACHED;
     }
 
-    if (!(k->best_cost < RBDI_IK_OVERFLOW)) {
-        rbdi_ik_refuse(k->result, RBD_ERR_NAN, -1, "q");
+    if (!(ik->best_cost < RBDI_IK_OVERFLOW)) {
+        rbdi_ik_refuse(ik->result, RBD_ERR_NAN, -1, "q");
         return RBD_IK_ERROR;
     }
 
-    if (rbdi_ik_find_nearest(k)) return RBD_IK_REACHED;
-    rbdi_ik_copy(k->best, k->m->nq, k->q);
-    return rbdi_ik_judge(k);
+    if (rbdi_ik_find_nearest(ik)) return RBD_IK_REACHED;
+    rbdi_ik_copy(ik->best, ik->m->nq, ik->q);
+    return rbdi_ik_judge(ik);
 }
 
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result) {
     rbd_ik_status status;
-    rbdi_ik *k;
+    rbdi_ik *ik;
     if (!result) return RBD_IK_ERROR;
 
     result->metres = rbdi_zero();
@@ -1381,9 +1395,9 @@ RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_targ
     rbdi_ik_refuse(result, RBD_OK, -1, NULL);
     if (rbdi_ik_check(m, w, targets, n, options, memory, size, q, result)) return RBD_IK_ERROR;
 
-    k = rbdi_ik_begin(m, w, targets, n, options, memory, q, result);
-    status = rbdi_ik_run(k);
-    if (status != RBD_IK_ERROR) rbdi_ik_copy(k->q, m->nq, q);
+    ik = rbdi_ik_begin(m, w, targets, n, options, memory, q, result);
+    status = rbdi_ik_run(ik);
+    if (status != RBD_IK_ERROR) rbdi_ik_copy(ik->q, m->nq, q);
     return status;
 }
 

@@ -827,6 +827,13 @@ RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
 RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
 RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi_zero()), -x, x); }
 
+/* The larger and the smaller of two. If one is NaN these are a and b. */
+RBDI_INLINE rbd_real rbdi_larger(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), b, a); }
+RBDI_INLINE rbd_real rbdi_smaller(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), a, b); }
+
+/* Of infinity and of NaN x - x is NaN. */
+RBDI_INLINE int rbdi_is_finite(rbd_const x) { return x - x <= 0; }
+
 /* 1 / D if D > threshold, else 0, and bad is set: no division gives infinity. */
 RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
     rbdi_mask good = rbdi_less(rbdi_set(threshold), D);

@@ -406,7 +406,7 @@ RBDI_LOCAL rbd_real rbdi_tasks_speed_before(rbd_real s, rbd_real braking, rbd_re
 
 /* x, but not out of -most .. most. */
 RBDI_INLINE rbd_real rbdi_tasks_clamp(rbd_real x, rbd_real most) {
-    return rbdi_ik_larger(-most, rbdi_ik_smaller(x, most));
+    return rbdi_larger(-most, rbdi_smaller(x, most));
 }
 
 /* The largest speed of a dof; RBDI_UNBOUNDED: any. */
@@ -421,7 +421,7 @@ RBDI_LOCAL rbd_real rbdi_tasks_speed(const rbdi_tasks *k, int dof) {
     for (int i = 0; i < rbdi_mimics(m); ++i) {
         const rbd_const own = m->frame[m->dof[m->nv + i].body].velocity;
         if (m->mimic[i].source_v == dof && own > 0)
-            speed = rbdi_ik_smaller(speed, rbdi_abs(rbdi_set(own / m->mimic[i].ratio)));
+            speed = rbdi_smaller(speed, rbdi_abs(rbdi_set(own / m->mimic[i].ratio)));
     }
     return speed;
 }
@@ -464,11 +464,11 @@ RBDI_LOCAL rbdi_tasks_range rbdi_tasks_velocities(const rbdi_tasks *k, int dof) 
 
     if (k->accelerations || limited) {
         const rbd_real slower = k->v[dof] - braking * p->dt, faster = k->v[dof] + braking * p->dt;
-        v.lower = rbdi_ik_smaller(v.lower, faster);
-        v.upper = rbdi_ik_larger(v.upper, slower);
+        v.lower = rbdi_smaller(v.lower, faster);
+        v.upper = rbdi_larger(v.upper, slower);
         if (limited) {
-            v.lower = rbdi_ik_larger(v.lower, slower);
-            v.upper = rbdi_ik_smaller(v.upper, faster);
+            v.lower = rbdi_larger(v.lower, slower);
+            v.upper = rbdi_smaller(v.upper, faster);
         }
     }
     return v;
@@ -791,7 +791,7 @@ RBDI_LOCAL rbd_real rbdi_tasks_torque(const rbdi_tasks *k, int dof) {
     for (int i = 0; i < rbdi_mimics(m); ++i) {
         const rbd_const own = m->frame[m->dof[m->nv + i].body].effort;
         if (m->mimic[i].source_v == dof && own > 0)
-            most = rbdi_ik_smaller(most, rbdi_abs(rbdi_set(own * m->mimic[i].ratio)));
+            most = rbdi_smaller(most, rbdi_abs(rbdi_set(own * m->mimic[i].ratio)));
     }
     return most;
 }
@@ -1204,12 +1204,12 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
     for (int row = 0; row < s->all; ++row) {
         const rbd_real value = s->value[row];
         const rbd_real below = k->lower[row] - value;
-        const rbd_real by = rbdi_ik_larger(below, value - k->upper[row]);
+        const rbd_real by = rbdi_larger(below, value - k->upper[row]);
         const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
         if (!(by > 0) || k->soft[row] > 0) continue;
         if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
         const rbd_real share = by / rbdi_qp_terms(s, row, side);
-        most = rbdi_ik_larger(most, rbdi_ik_smaller(share, rbdi_set(RBD_C(1)))); /* 1 if sums overflow */
+        most = rbdi_larger(most, rbdi_smaller(share, rbdi_set(RBD_C(1)))); /* 1 if sums overflow */
     }
     return most;
 }
@@ -1218,7 +1218,7 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
    whether that is little enough for a tick. */
 RBDI_LOCAL int rbdi_tasks_count_missed(rbdi_tasks *k, const rbdi_qp *s) {
     k->missed = k->missed + rbdi_tasks_missed(k, s);
-    k->result->primal = rbdi_ik_larger(k->result->primal, k->missed);
+    k->result->primal = rbdi_larger(k->result->primal, k->missed);
     return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
 }
 
@@ -1260,12 +1260,12 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     result->qp = status;
     result->level = level;
     result->steps += s.result.steps;
-    result->primal = rbdi_ik_larger(result->primal, s.result.primal);
-    result->dual = rbdi_ik_larger(result->dual, s.balance);
+    result->primal = rbdi_larger(result->primal, s.result.primal);
+    result->dual = rbdi_larger(result->dual, s.balance);
     if (!rbdi_tasks_has_answer(status)) return status;
 
     /* x is what counts: nobody asks for multipliers, of rows that nearly depend on each other */
-    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.balance) < RBDI_TASKS_ACCURACY)
+    if (status == RBD_QP_INACCURATE && rbdi_larger(s.result.primal, s.balance) < RBDI_TASKS_ACCURACY)
         status = RBD_QP_OK;
     if (!rbdi_tasks_count_missed(k, &s) && status == RBD_QP_OK) {
         result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
@@ -1288,8 +1288,8 @@ RBDI_LOCAL void rbdi_tasks_freeze(rbdi_tasks *k, int rows) {
             k->lower[row] = value;
             k->upper[row] = value;
         } else if (k->lower[row] < k->upper[row]) {
-            k->lower[row] = rbdi_ik_smaller(k->lower[row], value);
-            k->upper[row] = rbdi_ik_larger(k->upper[row], value);
+            k->lower[row] = rbdi_smaller(k->lower[row], value);
+            k->upper[row] = rbdi_larger(k->upper[row], value);
         }
         k->soft[row] = rbdi_zero();
     }

@@ -37,6 +37,8 @@
      limits       zero velocity or effort, or lower >= upper: none. A continuous joint has none; those of less
                   than a turn give a warning
      angles       rad. Values that look like degrees, as limits of -90 and 90, give a warning
+     lengths      m, kg, kg m^2. A warning says so of a place 100 m away, but of fixed joints, and of an
+                  inertia as of the mass 20 m from its centre: they look like mm, kg mm^2 or g mm^2
      dynamics     damping and friction, and armature = "..." there (kg m^2, or kg), for each degree of
                   freedom
      inertial     without it a link has no mass. A warning says so of one between moving joints that has a
@@ -123,10 +125,11 @@ typedef enum rbd_urdf_status {
     RBD_URDF_WARN_AXIS = 5,   /* an axis or quaternion is not of unit length: made so; or no axis: x */
     RBD_URDF_WARN_NAME = 6,   /* the robot has no name: it is called "robot" */
     RBD_URDF_WARN_MIMIC = 7,  /* a <mimic> is ignored: of a fixed joint, or wrong with options.free_mimics */
-    RBD_URDF_WARN_SINGULAR = 8, /* neither a joint nor those that mimic it move mass */
-    RBD_URDF_WARN_DEGREES = 9,  /* an angle is taken as rad, and looks like degrees */
-    RBD_URDF_WARN_UNREAD = 10,  /* an element or attribute is not read: its name may be misspelt */
-    RBD_URDF_WARN_MASSLESS = 11 /* a link between moving joints has a shape or length, but no <inertial> */
+    RBD_URDF_WARN_SINGULAR = 8,  /* neither a joint nor those that mimic it move mass */
+    RBD_URDF_WARN_DEGREES = 9,   /* an angle is taken as rad, and looks like degrees */
+    RBD_URDF_WARN_UNREAD = 10,   /* an element or attribute is not read: its name may be misspelt */
+    RBD_URDF_WARN_MASSLESS = 11, /* a link between moving joints has a shape or length, but no <inertial> */
+    RBD_URDF_WARN_UNITS = 12     /* taken as m or kg m^2, and looks like mm, kg mm^2 or g mm^2 */
 } rbd_urdf_status;
 
 /* A status in a few English words; a static string. */
@@ -282,6 +285,9 @@ inline bool looks_like_degrees(double x, double usual) {
 }
 const double a_turn = 7, two_turns = 13; /* as rad, rounded up */
 const double whole_turn = 6.28;          /* and down */
+
+/* m: parts of a robot are nearer to each other and smaller. */
+const double too_far = 100, too_wide = 20;
 
 inline char lower_case(char c) { return c >= 'A' && c <= 'Z' ? (char)(c | 0x20) : c; }
 
@@ -1187,7 +1193,7 @@ class checked {
         if (!o) return turned;
         turned = quaternion_of(*o);
         text += "<origin";
-        copy(*o, "xyz", 3, x);
+        if (copy(*o, "xyz", 3, x)) warn_of_millimetres(e, *o, x);
         if (copy(*o, "rpy", 3, x) && (looks_like_degrees(x[0], a_turn) || looks_like_degrees(x[1], a_turn) ||
                                       looks_like_degrees(x[2], a_turn)))
             warn_of_degrees(*o, "<origin rpy>, " + text_of(x[0]) + " " + text_of(x[1]) + " " + text_of(x[2]) +
@@ -1215,6 +1221,25 @@ class checked {
                              "; made a unit quaternion");
         return q;
     }
+    /* A fixed joint may be as far as a robot in a hall is from the origin. */
+    void warn_of_millimetres(const element &e, const element &o, const double x[3]) const {
+        const str *type = e.attribute("type");
+        if (type && *type == "fixed") return;
+        if (std::fabs(x[0]) < too_far && std::fabs(x[1]) < too_far && std::fabs(x[2]) < too_far) return;
+        warnings.add(RBD_URDF_WARN_UNITS, o.line,
+                     who + ": <origin xyz>, " + text_of(x[0]) + " " + text_of(x[1]) + " " + text_of(x[2]) +
+                         ", looks like mm; it is read as m");
+    }
+
+    /* trace(I) = 2 sum m r^2, r from the centre of mass. */
+    void warn_of_units(const element &inertia, double mass, double trace) const {
+        const double radius = std::sqrt(trace / 2 / mass);
+        if (!(mass > 0) || !(radius >= too_wide)) return;
+        warnings.add(RBD_URDF_WARN_UNITS, inertia.line,
+                     who + ": <inertia> is that of this mass " + text_of(radius) +
+                         " m from its centre; it looks like kg mm^2 or g mm^2, and is read as kg m^2");
+    }
+
     void warn_of_degrees(const element &e, const str &what) const {
         warnings.add(RBD_URDF_WARN_DEGREES, e.line,
                      who + ": " + what + " looks like degrees; it is read as rad");
@@ -1243,7 +1268,7 @@ class checked {
         static const char *const entries[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
         static const char *const mirrored[] = {"", "iyx", "izx", "", "izy", ""};
         const element *mass = only(e, "mass"), *inertia = only(e, "inertia");
-        double x, largest;
+        double x, largest, trace = 0;
         text += "<inertial>";
         turned = origin(e);
         if (!mass) fail(RBD_URDF_ERR_INERTIAL, e, "<inertial> has no <mass>");
@@ -1251,12 +1276,13 @@ class checked {
         text += "<mass";
         if (!copy(*mass, "value", 1, &x)) fail(RBD_URDF_ERR_INERTIAL, *mass, "<mass> has no value");
         if (x < 0) fail(RBD_URDF_ERR_INERTIAL, *mass, "the mass is negative");
-        largest = x;
+        const double kilograms = largest = x;
         text += "/><inertia";
         for (int i = 0; i < 6; ++i) {
             if (!copy(*inertia, entries[i], 1, &x))
                 fail(RBD_URDF_ERR_INERTIAL, *inertia, str("<inertia> has no ") + entries[i]);
             largest = std::fmax(largest, std::fabs(x));
+            if (i == 0 || i == 3 || i == 5) trace += x;
             const str *mirror = inertia->attribute(mirrored[i]);
             if (mirror && number(*inertia, mirrored[i], *mirror) != x)
                 warnings.add(RBD_URDF_WARN_INERTIA, inertia->line,
@@ -1264,6 +1290,7 @@ class checked {
                                  " and is not read");
         }
         text += "/></inertial>";
+        warn_of_units(*inertia, kilograms, trace);
         return largest > 0;
     }
 
@@ -2442,6 +2469,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     case RBD_URDF_WARN_MIMIC: return "a <mimic> is ignored: of a fixed joint, or wrong";
     case RBD_URDF_WARN_SINGULAR: return "neither a joint nor those that mimic it move mass";
     case RBD_URDF_WARN_DEGREES: return "an angle looks like degrees";
+    case RBD_URDF_WARN_UNITS: return "a length looks like mm, or an inertia like kg mm^2 or g mm^2";
     case RBD_URDF_WARN_UNREAD: return "an element or attribute is not read";
     case RBD_URDF_WARN_MASSLESS: return "a link between moving joints has no inertial";
     }

@@ -3,6 +3,7 @@
    actuator curves: friction and limits of the shoulder's motor as a table, for actuator.gp. */
 #define RBD_IMPLEMENTATION
 #include "rbd_actuator.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -113,7 +114,7 @@ static double follow(const rbd_motor *table) {
         check(rbd_rnea(m, w, plan, speed, acc, NULL, tau));
         check(rbd_actuators_inverse(own, plan, speed, acc, tau, drives));
         for (int i = 0; i < N; i++)
-            commands[i].torque = drives[i].torque, off = fmax(off, fabs(q[i] - plan[i]));
+            commands[i].torque = drives[i].torque, off = larger(off, fabs(q[i] - plan[i]));
         step(robot, commands, q, v);
     }
     return off;

@@ -35,6 +35,7 @@ static dual sqrt(const dual &a) { return chain(std::sqrt(a.x), 0.5 / std::sqrt(a
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 #include "models/iiwa_model.h"
+#include "larger.h"
 static_assert(N == IIWA_NQ && N == IIWA_NV, "as many variables as joints");
 
 static unsigned char memory[IIWA_WORK_SIZE];
@@ -68,7 +69,7 @@ int main() {
         differences(w, k, slope);
         std::printf("by q%d:%9.4f%9.4f%9.4f   differences:%9.4f%9.4f%9.4f\n", k + 1, tau[0].d[k], tau[1].d[k],
                     tau[2].d[k], slope[0], slope[1], slope[2]);
-        for (int i = 0; i < N; i++) worst = std::fmax(worst, std::fabs(tau[i].d[k] - slope[i]));
+        for (int i = 0; i < N; i++) worst = larger(worst, std::fabs(tau[i].d[k] - slope[i]));
     }
     std::printf("all 49 agree to 1e-6: %s\n", worst < 1e-6 ? "yes" : "no");
     return worst < 1e-6 ? 0 : 1;

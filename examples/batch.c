@@ -3,6 +3,7 @@
 #include "rbd_batch.h"
 
 #include "models/iiwa_model.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -44,8 +45,8 @@ static rbd_status by_single_calls(void) {
 static double difference(void) {
     double worst = 0, largest = 0;
     for (int i = 0; i < STATES * NV; i++) {
-        worst = fmax(worst, fabs(a[i] - a_single[i]));
-        largest = fmax(largest, fabs(a_single[i]));
+        worst = larger(worst, fabs(a[i] - a_single[i]));
+        largest = larger(largest, fabs(a_single[i]));
     }
     return worst / largest;
 }

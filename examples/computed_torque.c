@@ -3,6 +3,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 #include "rbd_urdf.h"
+#include "larger.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -60,7 +61,7 @@ int main(int argc, char **argv) {
         for (int i = 0; i < nv; i++) {
             wanted(t, i, &error, &unused, &unused);
             error -= q[i];
-            worst = fmax(worst, fabs(error - expected));
+            worst = larger(worst, fabs(error - expected));
         }
         if (k % (STEPS / 4) == 0)
             printf("%.2f s: error of the last joint%8.4f rad, expected%8.4f\n", t, error, expected);

@@ -6,6 +6,7 @@
    cc -std=c99 -O2 -I.. -DDAQP either_solver.c -o either_solver -ldaqp -lm */
 #define RBD_IMPLEMENTATION
 #include "rbd_qp.h"
+#include "larger.h"
 
 #ifdef DAQP
 #include <daqp/api.h>
@@ -63,8 +64,8 @@ int main(void) {
 #ifdef DAQP
     double other[N], other_lambda[SIDES], apart = 0;
     if (!by_daqp(other, other_lambda)) return EXIT_FAILURE;
-    for (int i = 0; i < N; i++) apart = fmax(apart, fabs(x[i] - other[i]));
-    for (int row = 0; row < SIDES; row++) apart = fmax(apart, fabs(lambda[row] - other_lambda[row]));
+    for (int i = 0; i < N; i++) apart = larger(apart, fabs(x[i] - other[i]));
+    for (int row = 0; row < SIDES; row++) apart = larger(apart, fabs(lambda[row] - other_lambda[row]));
     printf("DAQP: the same, %s\n", apart < 1e-9 ? "to 1e-9" : "but not to 1e-9");
     if (!(apart < 1e-9)) return EXIT_FAILURE;
 #endif

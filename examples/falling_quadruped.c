@@ -3,6 +3,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 #include "models/hyq_model.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -64,8 +65,8 @@ int main(void) {
         step();
         if (k % STEPS_PER_ROW == 0) {
             const double t = k * dt, height = com0[2] + velocity0[2] * t - 9.81 * t * t / 2;
-            drift = fmax(drift, fabs(row(t, com, velocity) - sum));
-            off = fmax(off, fabs(com[2] - height));
+            drift = larger(drift, fabs(row(t, com, velocity) - sum));
+            off = larger(off, fabs(com[2] - height));
         }
     }
     fprintf(stderr, "%.1f J dissipated; all energies together %.1f J, to %.1f J\n", dissipated, sum, drift);

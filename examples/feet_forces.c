@@ -3,6 +3,7 @@
    then a push that no forces can give. */
 #define RBD_IMPLEMENTATION
 #include "rbd_qp.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -57,7 +58,7 @@ static double slope(const double *x) {
     for (int i = 0; i < FEET; i++) {
         const double tangent = hypot(x[3 * i], x[3 * i + 1]), normal = x[3 * i + 2];
         if (normal <= 0) return -1;
-        largest = fmax(largest, tangent / normal);
+        largest = larger(largest, tangent / normal);
     }
     return largest;
 }

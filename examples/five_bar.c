@@ -4,6 +4,7 @@
    rbd_constrained_fd. */
 #define RBD_IMPLEMENTATION
 #include "rbd_constraints.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -85,8 +86,8 @@ int main(void) {
         for (int i = 0; i < 2; i++) x[i] = turning[i] + 20 * (moving[i] - moves[i]) + 100 * (want[i] - at[i]);
         follow(q, v, x[0], x[1], a);
         check(rbd_constrained_id(m, loop, q, v, a, NULL, motors, NULL, tau, NULL));
-        passive = fmax(passive, fmax(fabs(tau[1]), fabs(tau[3])));
-        if (step >= 1000) late = fmax(late, hypot(at[0] - want[0], at[1] - want[1]));
+        passive = larger(passive, larger(fabs(tau[1]), fabs(tau[3])));
+        if (step >= 1000) late = larger(late, hypot(at[0] - want[0], at[1] - want[1]));
         if (step % 500 == 0)
             printf("%.1f s: torques %6.3f %6.3f N m, tip off by %6.3f mm\n", t, tau[0], tau[2],
                    1e3 * hypot(at[0] - want[0], at[1] - want[1]));
@@ -94,7 +95,7 @@ int main(void) {
         check(rbd_constrained_fd(m, loop, q, v, tau, NULL, a, NULL));
         check(rbd_step(m, q, v, a, 1e-3, q, v));
         check(rbd_constraint_jacobian(m, loop, q, v, NULL, NULL, e));
-        open = fmax(open, hypot(e[0], e[1]));
+        open = larger(open, hypot(e[0], e[1]));
     }
     printf("the loop opens by less than 0.1 mm, motors suffice, the tip follows to 1 mm: %s\n",
            open < 1e-4 && passive < 1e-9 && late < 1e-3 ? "yes" : "no");

@@ -5,6 +5,7 @@
 #include "rbd_derivatives.h"
 #include "models/cart_pole_model.h"
 #include "models/hyq_model.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -88,7 +89,7 @@ static void find_gain(regulator *r) {
             for (int j = 0; j < n; j++) {
                 double x = i == j;
                 for (int k = 0; k < n; k++) x += r->A[k][i] * PA[k][j];
-                change = fmax(change, fabs(x - P[i][j])), largest = fmax(largest, fabs(x));
+                change = larger(change, fabs(x - P[i][j])), largest = larger(largest, fabs(x));
                 P[i][j] = x;
             }
     }
@@ -99,7 +100,7 @@ static double distance(const rbd_model *m, const regulator *r, const double *q, 
     double largest = 0;
     check(rbd_difference(m, r->home, q, x));
     for (int i = 0; i < r->nv; i++) x[r->nv + i] = v[i];
-    for (int i = 0; i < 2 * r->nv; i++) largest = fmax(largest, fabs(x[i]));
+    for (int i = 0; i < 2 * r->nv; i++) largest = larger(largest, fabs(x[i]));
     return largest;
 }
 

@@ -3,6 +3,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 #include "models/iiwa_model.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -90,11 +91,11 @@ static int run(double stiffness) {
         const double t = n * dt;
         control(t, q, v, stiffness, tau, error);
         for (int i = 0; i < 3; i++)
-            worst = fmax(worst, fabs(error[i] - (e[i] * (1 + w0 * t) + rate[i] * t) * exp(-w0 * t)));
+            worst = larger(worst, fabs(error[i] - (e[i] * (1 + w0 * t) + rate[i] * t) * exp(-w0 * t)));
         check(rbd_aba(&iiwa_model, w, q, v, tau, NULL, a));
         check(rbd_step(&iiwa_model, q, v, a, dt, q, v));
     }
-    for (int k = 0; k < NV; k++) away = fmax(away, fabs(q[k] - home[k]));
+    for (int k = 0; k < NV; k++) away = larger(away, fabs(q[k] - home[k]));
     printf("posture %s, tool's error as it must be: %s\n", away < 1 ? "kept" : "lost",
            worst < 1e-3 ? "yes" : "no");
     return worst < 1e-3 && (away < 1) == (stiffness > 0);

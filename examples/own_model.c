@@ -2,6 +2,7 @@
    equations (e.g. Craig, Introduction to Robotics, section 6.7, with rods for point masses). */
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -64,7 +65,7 @@ int main(void) {
         if (rbd_rnea(m, w, q, v, a, NULL, tau) != RBD_OK || rbd_aba(m, w, q, v, tau, NULL, back) != RBD_OK)
             fail("dynamics failed");
         for (int i = 0; i < NV; i++)
-            worst = fmax(worst, fmax(fabs(tau[i] - expected[i]), fabs(back[i] - a[i])));
+            worst = larger(worst, larger(fabs(tau[i] - expected[i]), fabs(back[i] - a[i])));
         if (k == 1)
             printf("tau   %9.4f %9.4f N m\nbook  %9.4f %9.4f N m\n", tau[0], tau[1], expected[0],
                    expected[1]);

@@ -4,6 +4,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_estimate.h"
 #include "models/iiwa.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -74,7 +75,7 @@ static double unexplained(const rbd_joint_friction *f) {
         check(rbd_rnea(known.m, known.w, q, v, a, NULL, tau[1]));
         for (int i = 0; i < NV; i++) {
             if (f) tau[1][i] += f[i].coulomb * (v[i] > 0 ? 1 : -1) + f[i].viscous * v[i] + f[i].offset;
-            worst = fmax(worst, fabs(tau[0][i] - tau[1][i]));
+            worst = larger(worst, fabs(tau[0][i] - tau[1][i]));
         }
     }
     return worst;

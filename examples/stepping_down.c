@@ -5,6 +5,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_constraints.h"
 #include "models/hyq_model.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -122,7 +123,7 @@ int main(void) {
         rbd_constraint_set *feet = feet_down(standing);
         if (standing & ~before) { /* one lands */
             check(rbd_impact(&hyq_model, feet, q, v, 0, v, force));
-            for (int i = 0; i < 3 * FEET; i++) jolt = fmax(jolt, fabs(force[i]));
+            for (int i = 0; i < 3 * FEET; i++) jolt = larger(jolt, fabs(force[i]));
         }
         check(rbd_constrained_id(&hyq_model, feet, q, v, a, NULL, NULL, NULL, tau, NULL));
         for (int i = 0; i < 6; i++) tau[i] = 0; /* no motors there */

@@ -5,6 +5,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_tasks.h"
 #include "models/iiwa_model.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -150,14 +151,14 @@ static outcome track(int kind, int with_tasks) {
         for (int i = 0; i < 3; i++) away += (p[i] - at[i]) * (p[i] - at[i]);
         away = sqrt(away);
         if (step > SETTLED) {
-            o.worst = fmax(o.worst, away);
+            o.worst = larger(o.worst, away);
             o.mean += away / (STEPS - SETTLED - 1);
         }
 
         o.unsolved += !(with_tasks ? by_tasks : least_squares)(q, p, velocity, v);
         for (int i = 0; i < NV; i++) {
             q[i] += dt * v[i];
-            o.outside = fmax(o.outside, fmax(lower[i] - q[i], q[i] - upper[i]));
+            o.outside = larger(o.outside, larger(lower[i] - q[i], q[i] - upper[i]));
         }
     }
     return o;

@@ -6,6 +6,7 @@
 #include "rbd_contact.h"
 
 #include "rbd_tasks.h"
+#include "larger.h"
 #include "models/hyq_model.h"
 
 #include <math.h>
@@ -191,7 +192,7 @@ static double look_down(const plan *p, const double *q) {
         double at[3];
         check(rbd_point_position(&hyq_model, w, leg(i), toe, at));
         check(rbd_contact_plane(&hyq_model, ground, i, up, height_at(at[0])));
-        if (i != p->swing) off = fmax(off, hypot(at[0] - p->foot[i][0], at[1] - p->foot[i][1]));
+        if (i != p->swing) off = larger(off, hypot(at[0] - p->foot[i][0], at[1] - p->foot[i][1]));
     }
     return off;
 }
@@ -206,13 +207,13 @@ int main(void) {
     for (int k = 0; k < STEPS; k++) {
         const double t = k * dt;
         const plan p = plan_at(t);
-        off = fmax(off, look_down(&p, q));
+        off = larger(off, look_down(&p, q));
         unsolved += !control(t, q, v, forces, tau);
         check(rbd_contact_step(&hyq_model, ground, q, v, tau, NULL, damping, dt, q, v));
 
         for (int i = 0; i < FEET; i++) rbd_contact_get(ground, i, NULL, forces[i]);
-        for (int i = 0; i < 3; i++) astray = fmax(astray, fabs(q[HYQ_Q_ROOT_X + i] - p.trunk[i]));
-        tilt = fmax(tilt, 2 * hypot(q[HYQ_Q_ROOT_QX], q[HYQ_Q_ROOT_QY]));
+        for (int i = 0; i < 3; i++) astray = larger(astray, fabs(q[HYQ_Q_ROOT_X + i] - p.trunk[i]));
+        tilt = larger(tilt, 2 * hypot(q[HYQ_Q_ROOT_QX], q[HYQ_Q_ROOT_QY]));
         if (k % STEPS_PER_ROW) continue;
         printf("%4.1f s: %4.2f m forward, %4.2f m high; the feet carry %4.0f N\n", t, q[HYQ_Q_ROOT_X],
                q[HYQ_Q_ROOT_Z], forces[0][2] + forces[1][2] + forces[2][2] + forces[3][2]);

@@ -12,6 +12,7 @@
 
 #include "rbd_tasks.h"
 #include "models/hyq_model.h"
+#include "larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -181,14 +182,14 @@ static void observe(outcome *o, int step, const double *q, double forces[FEET][3
     places(q, place);
     for (int i = 0; i < FEET; i++) {
         const double slope = hypot(forces[i][0], forces[i][1]) / forces[i][2];
-        slip = fmax(slip, hypot(place[i][0] - start[i][0], place[i][1] - start[i][1]));
-        o->steepest = fmax(o->steepest, slope >= 0 ? slope : HUGE_VAL);
+        slip = larger(slip, hypot(place[i][0] - start[i][0], place[i][1] - start[i][1]));
+        o->steepest = larger(o->steepest, slope >= 0 ? slope : HUGE_VAL);
     }
-    for (int i = 6; i < NV; i++) o->torque = fmax(o->torque, fabs(tau[i]));
+    for (int i = 6; i < NV; i++) o->torque = larger(o->torque, fabs(tau[i]));
 
-    o->slip = fmax(o->slip, slip);
-    o->aside = fmax(o->aside, aside);
-    o->low = fmax(o->low, home[HYQ_Q_ROOT_Z] - q[HYQ_Q_ROOT_Z]);
+    o->slip = larger(o->slip, slip);
+    o->aside = larger(o->aside, aside);
+    o->low = larger(o->low, home[HYQ_Q_ROOT_Z] - q[HYQ_Q_ROOT_Z]);
     o->end = aside;
     o->row_aside[step / STEPS_PER_ROW] = aside;
     o->row_slip[step / STEPS_PER_ROW] = slip;

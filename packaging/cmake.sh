@@ -1,6 +1,6 @@
 #!/bin/sh
 # A user's CMake project finds rbd: installed, as a subdirectory, fetched; and as ESP-IDF and Zephyr would.
-# usage: cmake.sh DIRECTORY_OF_RBD_H
+# usage: cmake.sh DIRECTORY_OF_RBD_H   with RBD_ALL_TESTS=yes fetched, and the component urdf as a subdirectory, too
 set -eu
 command -v cmake >/dev/null || { echo "needs cmake"; exit 77; }
 export CMAKE_GENERATOR=Ninja # which rbd's tests need anyway
@@ -26,7 +26,13 @@ configure() {
 quietly cmake -S "$root" -B "$scratch/rbd" -Werror=dev
 quietly cmake --install "$scratch/rbd" --prefix "$scratch/prefix"
 
-for way in package subdirectory fetch esp-idf zephyr; do
+ways="package subdirectory esp-idf zephyr" urdf_ways=package
+if [ -n "${RBD_ALL_TESTS-}" ]; then
+    ways="$ways fetch" urdf_ways="package subdirectory"
+else
+    echo "SKIPPED but by ./run test --all: fetched, and the component urdf as a subdirectory"
+fi
+for way in $ways; do
     echo "$way:"
     quietly configure "$way" "${version%.*}"
     quietly cmake --build "$scratch/$way${version%.*}"
@@ -34,7 +40,7 @@ for way in package subdirectory fetch esp-idf zephyr; do
 done
 
 if pkg-config --exists urdfdom; then
-    for way in package subdirectory; do
+    for way in $urdf_ways; do
         echo "component urdf, $way:"
         quietly cmake -S "$root/packaging/consumer/urdf" -B "$scratch/urdf-$way" -DWAY="$way" -DROOT="$root" \
             -DCMAKE_PREFIX_PATH="$scratch/prefix" --no-warn-unused-cli -Werror=dev

@@ -199,4 +199,6 @@ def text():
 
 
 if __name__ == "__main__":
-    Path(*sys.argv[1:2] or [HERE / "rbd/__init__.pyi"]).write_text(text())
+    if len(sys.argv) > 2 or sys.argv[-1].startswith("-"):
+        sys.exit(__doc__)
+    Path(*sys.argv[1:] or [HERE / "rbd/__init__.pyi"]).write_text(text())

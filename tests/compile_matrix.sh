@@ -3,10 +3,12 @@
 # declarations only, with the implementation, with RBD_STATIC (for double alone, a keyword apart), and the declarations of
 # rbd_urdf.h and rbd_mjcf.h; for double and, with the first standard, float. Without code, as a standard decides on syntax and
 # meaning alone, and as clang warns of all before it writes code; GCC warns of some there: of functions without use or result
-# and of cases that fall through. So with GCC the static functions, which are the same implementation, with code at -O0 by the
+# and of cases that fall through. So with gcc the static functions, which are the same implementation, with code at -O0 by the
 # first standard; it sees the rest at -O2 where the tests' library is built. Then the batch calls for several numbers of lanes,
-# with the SIMD unit for them where the compiler has it; with GCC the first of them with code. With RBD_ALL_TESTS=yes float and
-# lanes with the last standard too, all of the first with code at -O0 by each compiler, and clang-19 at -O2.
+# with the SIMD unit for them where the compiler has it; with gcc the first of them with code. clang 16 compiles the implementation
+# alone, by the first standard in C and the last in C++. With RBD_ALL_TESTS=yes it compiles all as clang 19 does; float and lanes
+# with the last standard too, and the standards between the first and the last; all of the first with code at -O0 by each
+# compiler, and clang-19 at -O2.
 # usage: compile_matrix.sh DIRECTORY_OF_RBD_H [COMPILER...]
 set -u
 
@@ -57,7 +59,7 @@ compile() {
 # level_of COMPILER: of what it compiles with the first standard
 level_of() {
     case $all_tests$1 in
-    clang*) echo -fsyntax-only ;;
+    clang* | g++) echo -fsyntax-only ;;
     *) echo "$quick" ;;
     esac
 }
@@ -72,7 +74,7 @@ all() {
     for standard; do
         level_of_this=$level level=-fsyntax-only
         case $standard in c11 | c++14 | c++17) # between standards in which all is compiled
-            compile "$compiler" "$standard" "$suffix" implementation double $level
+            [ -z "$all_tests" ] || compile "$compiler" "$standard" "$suffix" implementation double $level
             continue ;;
         esac
         scalars="double float"
@@ -117,7 +119,9 @@ batches() {
 
 for compiler; do
     command -v "$compiler" >/dev/null 2>&1 || continue
-    case $compiler in
+    case $all_tests$compiler in
+    clang-16) compile clang-16 c99 c implementation double -fsyntax-only ;;
+    clang++-16) compile clang++-16 c++20 cpp implementation double -fsyntax-only ;;
     *++*)
         all "$compiler" cpp c++11 c++14 c++17 c++20
         batches "$compiler" cpp c++11 c++20
@@ -129,6 +133,6 @@ for compiler; do
     esac
 done
 
-[ -n "$all_tests" ] || echo "SKIPPED but by ./run test --all: float and lanes with the last standard, clang-19 -O2"
+[ -n "$all_tests" ] || echo "SKIPPED but by ./run test --all: float and lanes with the last standard, those between, clang-16, clang-19 -O2"
 echo "$combinations combinations, $failures failed"
 [ "$combinations" -gt 0 ] && [ "$failures" -eq 0 ]

@@ -232,7 +232,28 @@ static void spin(void) {
     expect(fabs(change) < 1e-4, "a slow spin keeps its energy", change);
 }
 
+/* A slide that a stop takes from 1e30 m/s to rest in 1e-20 s: its acceleration is above the largest float. In
+   double all are finite that the bounds of speed and step let through. */
+static void overflow(void) {
+    const rbd_body slide = {
+        .parent = -1, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .mass = 1, .lower = -1, .upper = 1};
+    static unsigned char model_memory[RBD_MODEL_SIZE(1)], work_memory[RBD_WORK_SIZE(1, 1)], memory[10000];
+    const rbd_contact_options options = {.joint_limits = 1};
+    const float at = -1, fast = -1e30f, none = 0;
+    float a = 7;
+    if (rbd_model_build(&slide, 1, model_memory, sizeof model_memory, &model, NULL) != RBD_OK ||
+        rbd_work_init(model, work_memory, sizeof work_memory, &work) != RBD_OK ||
+        rbd_contact_set_init(model, work, NULL, 0, NULL, 0, &options, memory, sizeof memory, &set, NULL) !=
+            RBD_OK)
+        exit(2);
+
+    expect(rbd_contact_fd(model, set, &at, &fast, &none, NULL, NULL, 1e-20f, &a) == RBD_ERR_NAN, "infinite",
+           a);
+    expect(!(a < 0 || a > 0), "no acceleration", a);
+}
+
 int main(void) {
+    overflow();
     lift();
     belt();
     narrow();

@@ -26,9 +26,12 @@
 
 typedef rbd_status work_for(const rbd_model *m, void *memory, size_t size, rbd_work **w);
 typedef rbd_status torque_by(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *tau);
+typedef rbd_status motion_of(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *a);
 void calls_with_features(const rbd_model *m, int states, all_calls_sink *sink, void *to);
 extern work_for *const work_with_features;
 extern torque_by *const torque_with_features;
+extern motion_of *const kinematics_with_features;
 
 #ifdef ROBOT_FEATURES
 void calls_with_features(const rbd_model *m, int states, all_calls_sink *sink, void *to) {
@@ -36,6 +39,7 @@ void calls_with_features(const rbd_model *m, int states, all_calls_sink *sink, v
 }
 work_for *const work_with_features = rbd_work_init;
 torque_by *const torque_with_features = rbd_gravity_torque;
+motion_of *const kinematics_with_features = rbd_kinematics;
 #else
 #include "models/atlas.h"
 #include "models/cart_pole.h"
@@ -144,7 +148,8 @@ int main(int argc, char **argv) {
             bodies[robots[i].nb - 1].armature[0] = 1;
             if (rbd_model_build(bodies, robots[i].nb, armed, sizeof armed, &other, NULL)) return 2;
             if ((other->features & ~m->features) == 0) continue;
-            if (torque_with_features(other, w, q, tau) != RBD_ERR_WORK)
+            if (torque_with_features(other, w, q, tau) != RBD_ERR_WORK ||
+                kinematics_with_features(other, w, q, NULL, NULL) != RBD_ERR_WORK)
                 failures++, printf("%s: a model with other features uses its work\n", robots[i].name);
         } else if (status != RBD_ERR_LEFT_OUT) {
             failures++, printf("%s: status %d\n", robots[i].name, status);

@@ -1,6 +1,7 @@
 #!/bin/sh
 # A configuration that cannot work: the compiler says one sentence of ours, first, and nothing else of rbd.h.
-# usage: misconfigured.sh DIRECTORY_OF_RBD_H   with RBD_ALL_TESTS=yes by four compilers, else by gcc and clang++-19
+# usage: misconfigured.sh DIRECTORY_OF_RBD_H   with RBD_ALL_TESTS=yes by four compilers, else by gcc and clang++-19, each
+#     sentence once
 set -u
 
 root=${1:?usage: misconfigured.sh DIRECTORY_OF_RBD_H}
@@ -19,10 +20,12 @@ compilers="gcc clang++-19"
 if [ -n "${RBD_ALL_TESTS-}" ]; then
     compilers="gcc g++ clang-19 clang++-19"
 else
-    echo "SKIPPED but by ./run test --all: g++ and clang-19"
+    echo "SKIPPED but by ./run test --all: g++ and clang-19, and a sentence the second time"
 fi
+said=
 says() {
-    sentence=$1
+    [ "$1" != "$said" ] || [ -n "${RBD_ALL_TESTS-}" ] || return
+    said=$1 sentence=$1
     shift
     for compiler in $compilers; do
         command -v "$compiler" >/dev/null 2>&1 || continue

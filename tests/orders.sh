@@ -1,8 +1,8 @@
 #!/bin/sh
 # The headers may be included in any order and as often as one likes, before the line that defines RBD_IMPLEMENTATION
 # and behind it; each that stands behind it is implemented. rbd_batch.h has the batch calls of the headers before it.
-# usage: orders.sh DIRECTORY_OF_RBD_H   with RBD_ALL_TESTS=yes also two headers before one behind, and rbd_contact.h in each
-#     order of four
+# usage: orders.sh DIRECTORY_OF_RBD_H   with RBD_ALL_TESTS=yes also one header before two behind and two before one,
+#     rbd_contact.h in each order of four, and each order of C++ and of batches
 set -u
 
 root=${1:?usage: orders.sh DIRECTORY_OF_RBD_H}
@@ -144,7 +144,7 @@ orders=$(for a in r d c k s; do for b in r d c k s; do for c in r d c k s; do fo
 all=${RBD_ALL_TESTS-}
 if [ -z "$all" ]; then
     orders=$(echo "$orders" | grep c)
-    echo "SKIPPED but by ./run test --all: two headers before one behind, rbd_contact.h in each order of four"
+    echo "SKIPPED but by ./run test --all: one header before two and two before one, rbd_contact.h in each order of four, some of C++"
 fi
 
 # tcc takes no more than a moment for each.
@@ -152,26 +152,36 @@ if command -v tcc >/dev/null 2>&1; then
     for one in "" $singles; do
         for two in "" $singles; do compile "$one" "$two" tcc -std=c99 -c -o "$scratch/file.o"; done
     done
-    for one in "" $core; do
-        for two in $pairs; do
+    for two in $pairs; do
+        compile "" "$two" tcc -std=c99 -c -o "$scratch/file.o"
+        [ -n "$all" ] || continue
+        compile "$two" "" tcc -std=c99 -c -o "$scratch/file.o"
+        for one in $core; do
             compile "$one" "$two" tcc -std=c99 -c -o "$scratch/file.o"
-            [ -z "$all" ] || compile "$two" "$one" tcc -std=c99 -c -o "$scratch/file.o"
+            compile "$two" "$one" tcc -std=c99 -c -o "$scratch/file.o"
         done
     done
     for two in bs sb cdc dcb bdcb; do compile "" "$two" tcc -std=c99 -c -o "$scratch/file.o"; done
     for order in $orders; do compile "${order#??}" "$order" tcc -std=c99 -c -o "$scratch/file.o"; done
 fi
-# The other compilers take a quarter of a second: in C++ each header stands first, and last, and either way round with each
-# other one; in C, which tcc compiles above, a few for what they warn of.
-for order in rdcs csrd sdrc qkdr kqds ikdr kids akdr kads tkqi qkdt; do
+# The other compilers take a quarter of a second: in C++ with --all each header stands first, and last, and either way round
+# with each other one; else each stands first or last. In C, which tcc compiles above, a few for what they warn of.
+cpp_orders="rdcs csrd kids akdr tkqi" c_orders="csrd tkqi"
+batches="bb bdb cbdb"
+if [ -n "$all" ]; then
+    cpp_orders="rdcs csrd sdrc qkdr kqds ikdr kids akdr kads tkqi qkdt" c_orders="csrd kids akdr tkqi"
+    batches="b rb bb db bdb cbdb dcb"
+fi
+for order in $cpp_orders; do
     compile "${order#??}" "$order" "${CXX:-c++}" -x c++ -std=c++17 -Wall -Wextra -Werror -fsyntax-only
 done
-for order in csrd kids akdr tkqi; do
+for order in $c_orders; do
     compile "${order#??}" "$order" "${CC:-cc}" -std=c99 -Wall -Wextra -Werror -fsyntax-only
 done
 if [ -n "$("${CC:-cc}" -dM -E -x c /dev/null | grep __GNUC__)" ]; then # has lanes
-    for batch in "b 15" "rb 15" "bb 15" "db 22" "bdb 22" "cbdb 25" "dcb 25"; do
-        implements "${batch% *}" "${batch#* }" "${CC:-cc}" -std=c99 -Wall -Wextra -Werror
+    for batch in $batches; do
+        case $batch in *c*) calls=25 ;; *d*) calls=22 ;; *) calls=15 ;; esac
+        implements "$batch" $calls "${CC:-cc}" -std=c99 -Wall -Wextra -Werror
     done
     implements cbdb 25 "${CXX:-c++}" -x c++ -std=c++11 -Wall -Wextra -Werror
 fi

@@ -2,8 +2,8 @@
 # Files of one program that differ in their scalar (RBD_REAL, RBD_CONST, RBD_LANES) must not link: they would read
 # each other's arrays wrongly. Files that agree must. Every function that takes or sizes what depends on the scalar
 # carries it in its symbol.
-# usage: scalar_link.sh DIRECTORY_OF_RBD_H [COMPILER]   with RBD_ALL_TESTS=yes also 4 lanes, and __float128 with constants in
-#     its own precision
+# usage: scalar_link.sh DIRECTORY_OF_RBD_H [COMPILER]   with RBD_ALL_TESTS=yes also 4 lanes, __float128 with constants in its
+#     own precision, and arrays that files share at -O0, with -flto and by clang 16
 set -eu
 
 root=${1:?usage: scalar_link.sh DIRECTORY_OF_RBD_H [COMPILER]}
@@ -79,7 +79,7 @@ quads="__float128/double"
 if [ -n "${RBD_ALL_TESTS-}" ]; then
     scalars="$scalars double:4" quads="__float128 $quads"
 else
-    echo "SKIPPED but by ./run test --all: 4 lanes, and __float128 with constants in its own precision"
+    echo "SKIPPED but by ./run test --all: 4 lanes, __float128 with constants in its own precision, shared arrays at -O0, -flto, clang-16"
 fi
 quadmath=
 if echo '__float128 x;' | $compiler -x c -c - -o "$scratch/quad.o" 2>/dev/null &&
@@ -201,12 +201,15 @@ both() {
 
 gcc=
 ! command -v gcc >/dev/null || gcc=gcc
-for flags in -O0 "-O2 -ffunction-sections -fdata-sections -Wl,--gc-sections" -flto; do
+clangs=clang-19
+[ -z "${RBD_ALL_TESTS-}" ] || clangs="clang-16 clang-19"
+for flags in "-O2 -ffunction-sections -fdata-sections -Wl,--gc-sections" -O0 -flto; do
+    case ${RBD_ALL_TESTS-}$flags in -O0 | -flto) continue ;; esac
     [ -z "$gcc" ] || both "gcc $flags" gcc gcc
 done
 flags="-O2 -ffunction-sections -fdata-sections -Wl,--gc-sections"
 [ -z "$gcc" ] || ! command -v g++ >/dev/null || both "g++ and gcc $flags" g++ gcc
-for clang in clang-16 clang-19; do
+for clang in $clangs; do
     if command -v $clang >/dev/null; then
         shares links "$clang" "$clang" double "$clang" float # the default
         shares refused "$clang" "$clang -DRBD_CHECK_SCALAR=1" double "$clang" float -DRBD_CHECK_SCALAR=1
@@ -217,7 +220,7 @@ if command -v arm-none-eabi-gcc >/dev/null && [ -e /usr/lib/picolibc/arm-none-ea
     flags="-O2 -mcpu=cortex-m4 --specs=picolibc.specs -ffunction-sections -fdata-sections -Wl,--gc-sections"
     both arm-none-eabi-gcc arm-none-eabi-gcc arm-none-eabi-gcc
 fi
-[ -z "$gcc" ] || [ "$cases" -ge 3 ] || failures=$((failures + 1))
+[ -z "$gcc" ] || [ "$cases" -ge 1 ] || failures=$((failures + 1))
 
 # It costs no byte.
 if [ -n "$gcc" ]; then

@@ -955,6 +955,37 @@ START_TEST(one_bad_lane_is_reported) {
     }
 }
 END_TEST
+
+/* A step of which one lane is singular and another too fast: the first is the error, both keep their
+   speed. */
+START_TEST(bad_lanes_of_a_step_stay) {
+    const rbd_body gimbal = massive_body(RBD_EULER_ZYX);
+    rbd_real q_next[3], v_next[3];
+    load_body(&gimbal);
+    for (int bad = 0; bad < 4; bad++) {
+        const int locked = bad & 1, fast = bad & 2;
+        EACH_LANE {
+            put(&q[0], lane, 0.1);
+            put(&q[1], lane, lane == 0 && locked ? 1.57079632679489661923 : 0.2);
+            put(&q[2], lane, 0.3);
+            for (int k = 0; k < 3; k++) {
+                put(&v[k], lane, 0);
+                put(&tau[k], lane, lane == 1 && fast ? 1e30 : 1);
+            }
+        }
+        ck_assert_int_eq(rbd_free_step(model, work, q, v, tau, NULL, NULL, rbdi_set(1e-3), q_next, v_next),
+                         locked ? RBD_ERR_SINGULAR
+                         : fast ? RBD_ERR_NAN
+                                : RBD_OK);
+        EACH_LANE for (int k = 0; k < 3; k++) {
+            const int stays = (lane == 0 && locked) || (lane == 1 && fast);
+            ck_assert(isfinite(get(v_next[k], lane)));
+            ck_assert((get(v_next[k], lane) == 0) == stays);
+            ck_assert(!stays || get(q_next[k], lane) == get(q[k], lane));
+        }
+    }
+}
+END_TEST
 #endif
 
 static TCase *scalar_tests(void) {
@@ -983,6 +1014,7 @@ static TCase *scalar_tests(void) {
 #endif
 #ifdef RBD_LANES
     tcase_add_test(c, one_bad_lane_is_reported);
+    tcase_add_test(c, bad_lanes_of_a_step_stay);
 #endif
     return c;
 }

@@ -71,14 +71,10 @@ TCase *slow_tests(Suite *suite);
 /* On every reference model, `count` random states. */
 void for_random_states(int count, state_check *check);
 
-/* A part of the random trees, the first of them, is enough under the sanitizers, for coverage, and for ./run
-   quick. */
+/* A part of the random trees, the first of them, is enough every day, under the sanitizers, for coverage,
+   and for ./run quick; ./run test --all has all of them. */
 #ifndef PART_OF_TREES
-#ifdef HALF_OF_TREES /* every day; all of them by ./run test --all */
-#define PART_OF_TREES 2
-#else
 #define PART_OF_TREES 1
-#endif
 #endif
 
 /* How many of n events on all random trees a part of them must have at least: half of its share, for it is no

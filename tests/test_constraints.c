@@ -2087,6 +2087,17 @@ START_TEST(singular_mass_matrix_is_an_error) {
     for (int x = 0; x < 3; x++)
         for (int i = 0; i < 6; i++) /* not a number fails */
             ck_assert((i >= 4 || fabs(found.a[x][i]) <= 0) && fabs(found.lambda[x][i]) <= 0);
+
+    /* those by v alone */
+    void *memory;
+    rbd_derivatives *d = derivatives_of(&r, &memory);
+    const rbd_constrained_fd_results by_v = {.da_dv = found.a[1], .dlambda_dv = found.lambda[1]};
+    memset(found.a[1], 1, sizeof found.a[1]);
+    memset(found.lambda[1], 1, sizeof found.lambda[1]);
+    ck_assert_int_eq(rbd_constrained_fd_derivatives(r.m, c.c, d, q, q, q, NULL, &by_v), RBD_ERR_SINGULAR);
+    for (int i = 0; i < 6; i++)
+        ck_assert((i >= 4 || fabs(found.a[1][i]) <= 0) && fabs(found.lambda[1][i]) <= 0);
+    free(memory);
     free(c.memory);
     robot_free(&r);
 }
@@ -2146,21 +2157,24 @@ START_TEST(flat_contact_carries_a_box) {
 }
 END_TEST
 
-/* By default a floating joint has no motor only where it stands on the world; and lambda may be left out. */
-START_TEST(floating_joint_of_a_link_has_motors) {
+/* By default a floating joint has no motor, as in rbd_tasks; and lambda may be left out. */
+START_TEST(floating_joint_of_a_link_has_no_motor) {
     const rbd_body ship[2] = {{.parent = -1, .type = RBD_FLOATING, .mass = 9, .inertia = {4, 0, 0, 5, 0, 6}},
                               {.parent = 0, .type = RBD_FLOATING, .mass = 2, .inertia = {1, 0, 0, 2, 0, 3}}};
-    const unsigned char motors[12] = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1};
+    const unsigned char motors[2][12] = {{0}, {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1}};
     const double point[3] = {0.1, 0.3, 0.2}, q[14] = {0, 0, 0, 0, 0, 0, 1, 1, 2, 3, 0.5, 0.5, 0.5, 0.5},
                  x[12] = {1, 2, 3};
     const rbd_constraint k[2] = {rbd_point_contact(1, point, NULL), rbd_flat_contact(0, point, NULL)};
-    double tau[2][12], lambda[9];
+    double tau[3][12], lambda[9];
     robot r = BUILD(ship);
     set c = set_of(&r, k, 2);
     ck_assert_int_eq(rbd_constrained_id(r.m, c.c, q, x, x, NULL, NULL, NULL, tau[0], NULL), RBD_OK);
-    ck_assert_int_eq(rbd_constrained_id(r.m, c.c, q, x, x, NULL, motors, NULL, tau[1], lambda), RBD_OK);
+    for (int k_motors = 0; k_motors < 2; k_motors++)
+        ck_assert_int_eq(
+            rbd_constrained_id(r.m, c.c, q, x, x, NULL, motors[k_motors], NULL, tau[1 + k_motors], lambda),
+            RBD_OK);
     ck_assert(memcmp(tau[0], tau[1], sizeof tau[0]) == 0);
-    ck_assert_double_gt(largest(tau[0] + 6, 6), 0.1);
+    ck_assert(memcmp(tau[0], tau[2], sizeof tau[0]) != 0);
     free(c.memory);
     robot_free(&r);
 }
@@ -2828,7 +2842,7 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, singular_mass_matrix_is_an_error);
     tcase_add_test(c, constructors_hold_what_they_say);
     tcase_add_test(c, flat_contact_carries_a_box);
-    tcase_add_test(c, floating_joint_of_a_link_has_motors);
+    tcase_add_test(c, floating_joint_of_a_link_has_no_motor);
     tcase_add_test(c, derivatives_may_have_an_input_for_a);
     tcase_add_test(c, derivatives_by_v_alone_are_those_of_all);
     tcase_add_test(c, derivatives_are_the_same_after_those_with_constraints);

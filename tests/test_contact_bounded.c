@@ -216,7 +216,8 @@ START_TEST(a_lever_slides_and_sticks_exactly) {
 }
 END_TEST
 
-/* A row with a bias is a motor of so much speed, up to its force; one whose bounds are equal is a force. */
+/* A row with a bias is a motor of so much speed, up to its force; one whose bounds are equal is a force,
+   with a bias or without. */
 START_TEST(a_bias_drives_and_equal_bounds_push) {
     const rbd_body body = slider(-1, 1, 0, 2);
     rbd_contact_row row = friction_row(0, 10);
@@ -237,6 +238,16 @@ START_TEST(a_bias_drives_and_equal_bounds_push) {
     ck_assert_double_eq_tol(s.v[0], 0.102, 1e-13);
     (void)rbd_contact_row_get(s.c, 0, &f);
     ck_assert_double_eq(f, 4);
+
+    row.bias = 0;
+    for (int k = 0; k < 2; k++) {
+        row.lower = row.upper = k ? 4 : -4;
+        set_row(&s, 0, row);
+        step(&s);
+        ck_assert_double_eq_tol(s.v[0], k ? 0.102 : 0.1, 1e-13);
+        (void)rbd_contact_row_get(s.c, 0, &f);
+        ck_assert_double_eq(f, row.lower);
+    }
 
     row.dofs = 0;
     set_row(&s, 0, row);
@@ -509,14 +520,17 @@ END_TEST
 
 /* ---- what goes with a step ---- */
 
-/* Momentum of HyQ in space stays to rounding with rows on its legs, and is not touched where one is on the
-   base: that brakes it. */
+/* Momentum of HyQ in space stays to rounding with rows on its legs and one that is not set, and is not
+   touched where one is on the base, which brakes it, or where inertia is added there, which has a momentum
+   of its own. */
 START_TEST(momentum_stays_with_rows_inside) {
-    for (int base = 0; base < 2; base++) {
+    enum { INSIDE, BASE, ADDED, CASES };
+    for (int which = 0; which < CASES; which++) {
+        static double added[18 * 19 / 2];
         uint64_t seed = 5;
         double h[2][6];
         scene s;
-        open_scene(&s, "hyq", hyq_bodies, HYQ_NB, 3, 1e-3);
+        open_scene(&s, "hyq", hyq_bodies, HYQ_NB, 4, 1e-3);
         s.options.momentum = 1;
         begin_scene(&s);
         ck_assert_int_eq(rbd_set_gravity(s.r.w, (const double[3]){0, 0, 0}), RBD_OK);
@@ -524,8 +538,10 @@ START_TEST(momentum_stays_with_rows_inside) {
         for (int i = 0; i < 3; i++) {
             const rbd_contact_row row = {
                 .dofs = 3, .dof = {6 + i, 9 + i, 12 + i}, .jacobian = {1, -1, 0.5}, .lower = -5, .upper = 5};
-            set_row(&s, i, i == 0 && base ? friction_row(0, 1) : row);
+            set_row(&s, i, i == 0 && which == BASE ? friction_row(0, 1) : row);
         }
+        added[rbd_packed_index(s.r.m, 1, 1)] = 20;
+        if (which == ADDED) ck_assert_int_eq(rbd_contact_inertia(s.r.m, s.c, added), RBD_OK);
         for (int x = 0; x < 2; x++) {
             double cm[6];
             if (x == 1)
@@ -534,10 +550,10 @@ START_TEST(momentum_stays_with_rows_inside) {
             ck_assert_int_eq(rbd_momentum(s.r.m, s.r.w, cm, NULL), RBD_OK);
             memcpy(h[x], cm, sizeof cm);
         }
-        if (base)
-            ck_assert_double_gt(relative_error(h[1], h[0], 6), 1e-3);
-        else
+        if (which == INSIDE)
             ck_assert_double_le(relative_error(h[1], h[0], 6), 1e-11);
+        else
+            ck_assert_double_gt(relative_error(h[1], h[0], 6), 1e-3);
         close_scene(&s);
     }
 }

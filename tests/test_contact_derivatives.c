@@ -484,8 +484,8 @@ START_TEST(dry_friction_turns_around) {
 }
 END_TEST
 
-/* Bounded rows of HyQ's legs: one that holds, one that slides, a bristle, and one that drives against its
-   bound; and motors that three joints share. In flight, and on the feet. */
+/* Bounded rows of HyQ's legs: one that holds, one that slides, a bristle, one that drives against its bound,
+   and one that is not set; and motors that three joints share. In flight, and on the feet. */
 START_TEST(hyq_with_bounded_rows) {
     for (int stands = 0; stands < 2; stands++) {
         const rbd_contact_row row[4] = {
@@ -503,7 +503,7 @@ START_TEST(hyq_with_bounded_rows) {
         double added[18 * 19 / 2] = {0};
         scene s;
         open_hyq(&s, hyq_bodies, 0);
-        s.options.rows = 4;
+        s.options.rows = 5;
         begin_scene(&s);
         if (stands) run_hyq(&s, 30, 0);
         if (!stands) s.q[2] = 5;
@@ -516,6 +516,7 @@ START_TEST(hyq_with_bounded_rows) {
         ck_assert_int_eq(compare(&s, stands ? "rows of HyQ on its feet" : "rows of HyQ in flight", 1e-6),
                          3 * s.r.nv);
         for (int i = 0; i < 4; i++) ck_assert_int_eq(rbd_contact_row_get(s.c, i, NULL), wanted[i]);
+        expect_parts(&s, s.r.nv * s.r.nv);
         close_scene(&s);
     }
 }

@@ -426,6 +426,26 @@ START_TEST(free_step_says_what_overflows) {
 }
 END_TEST
 
+/* A torque that makes a gimbal faster than 1e12 rad/s, though its speed to the fourth power does not
+   overflow: an error, not a step without it. */
+START_TEST(free_step_says_that_a_torque_is_too_large) {
+    const rbd_body gimbal = {.parent = -1, .type = RBD_EULER_ZYX, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}};
+    static const double large[3] = {1e16, 1e30, 1e60};
+    for (int k = 0; k < 3; k++) {
+        scene s;
+        double q[3], v[3];
+        open_scene(&s, "gimbal", &gimbal, 1, NULL, 0, NULL);
+        for (int j = 0; j < 3; j++) {
+            s.q[j] = 0.1 * (j + 1);
+            s.tau[j] = large[k];
+        }
+        ck_assert_int_eq(rbd_free_step(s.r.m, s.r.w, s.q, s.v, s.tau, NULL, NULL, 1e-3, q, v), RBD_ERR_NAN);
+        ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, 1e-3, q, v), RBD_ERR_NAN);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 /* A mass that nothing pushes, 100 m out along a heavy table that turns, moves straight by 10 m/s in the
    world. Its change of energy in half a second, J. */
 static double change_of_energy_far_out(double dt) {
@@ -1453,6 +1473,7 @@ Suite *contact_energy_suite(void) {
     tcase_add_test(c, free_step_is_the_step_without_contacts);
     tcase_add_test(c, free_step_keeps_energy);
     tcase_add_test(c, free_step_says_what_overflows);
+    tcase_add_test(c, free_step_says_that_a_torque_is_too_large);
     tcase_add_test(c, energy_of_what_is_far_from_a_body_that_turns);
     tcase_add_test(c, place_that_is_not_a_number_is_an_error);
     tcase_add_test(slow, hyq_keeps_its_momentum);

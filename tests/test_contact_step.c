@@ -1020,6 +1020,7 @@ START_TEST(bad_sets_are_refused_by_name) {
     BAD(margin = -1, "margin");
     BAD(slop = NAN, "slop");
     BAD(correction = -1, "correction");
+    BAD(correction = 1.0001, "correction");
     BAD(bounce = INFINITY, "bounce");
     BAD(tolerance = -1, "tolerance");
     BAD(iterations = -1, "iterations");

@@ -659,6 +659,41 @@ START_TEST(step_of_a_free_body_is_exact) {
 }
 END_TEST
 
+/* Of each type: 'L' where a coordinate is a length, from -1 to 1, 'A' where it is an angle. */
+START_TEST(random_lengths_and_angles) {
+    static const char *const coordinates[RBD_JOINT_TYPES] = {
+        [RBD_REVOLUTE] = "A",    [RBD_CONTINUOUS] = "A",   [RBD_PRISMATIC] = "L",
+        [RBD_HELICAL] = "A",     [RBD_CYLINDRICAL] = "AL", [RBD_UNIVERSAL] = "AA",
+        [RBD_EULER_ZYX] = "AAA", [RBD_EULER_XYZ] = "AAA",  [RBD_EULER_YXZ] = "AAA",
+        [RBD_EULER_ZXY] = "AAA", [RBD_PLANAR] = "LLA",     [RBD_TRANSLATION] = "LLL",
+        [RBD_FLOATING] = "LLL",  [RBD_CONTINUOUS_CS] = "", [RBD_SPHERICAL] = ""};
+
+    for (int type = RBD_FIXED + 1; type < RBD_JOINT_TYPES; type++) {
+        const rbd_body body[1] = {{.parent = -1,
+                                   .type = (rbd_joint_type)type,
+                                   .axis = {0, 0, 1},
+                                   .axis2 = {1, 0, 0},
+                                   .mass = 1,
+                                   .inertia = {1, 0, 0, 1, 0, 1}}};
+        robot r = BUILD(body);
+        double most[3] = {0};
+        uint64_t seed = 5;
+        ck_assert_msg(coordinates[type] != NULL, "type %d has no row here", type);
+        for (int k = 0; k < 300; k++) {
+            double q[7];
+            ck_assert_int_eq(rbd_random(r.m, &seed, q), RBD_OK);
+            for (int i = 0; coordinates[type][i]; i++) most[i] = larger(most[i], fabs(q[i]));
+        }
+        for (int i = 0; coordinates[type][i]; i++) {
+            const double end = coordinates[type][i] == 'L' ? 1 : 3.14159265358979;
+            ck_assert_msg(most[i] <= end && most[i] > 0.9 * end, "type %d, q[%d]: up to %g", type, i,
+                          most[i]);
+        }
+        robot_free(&r);
+    }
+}
+END_TEST
+
 /* To first order it is v + dt a and rbd_integrate; where no joint has body axes, exactly. */
 static void check_step(const robot *r, const state *s, int number) {
     const double sizes[2] = {1e-7, 0.1};
@@ -709,6 +744,7 @@ Suite *manifold_suite(void) {
     tcase_add_test(c, step_of_a_free_body_is_exact);
     tcase_add_test(c, step_is_first_order);
     tcase_add_test(c, null_arguments_are_refused);
+    tcase_add_test(c, random_lengths_and_angles);
     suite_add_tcase(suite, c);
     return suite;
 }

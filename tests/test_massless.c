@@ -265,6 +265,11 @@ START_TEST(the_first_joint_that_moves_no_mass_is_named) {
     ck_assert_int_eq(refused_at(b), -1);
 
     memcpy(b, arm, sizeof b);
+    b[ELBOW].inertia[0] = b[ELBOW].inertia[3] = b[ELBOW].inertia[5] =
+        0.1; /* and inertia without mass counts */
+    ck_assert_int_eq(refused_at(b), 2);
+
+    memcpy(b, arm, sizeof b);
     give_mass(&b[LEFT]); /* the right finger mimics it */
     ck_assert_int_eq(refused_at(b), -1);
     memcpy(b, arm, sizeof b);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "larger.h"
 #include "qp_problems.h"
 #include "quiet_check.h"
 
@@ -426,7 +427,7 @@ static rbd_qp_problem stiff_problem(double decades) {
 static void check_to_rounding(const rbdi_qp *s, const rbd_qp_problem *p, int number) {
     const long double epsilon = sizeof(rbd_real) == 4 ? 0x1p-23L : 0x1p-52L;
     const long double far = (long double)largest_of(x, p->n);
-    long double largest = 0, worst = 0;
+    long double bound = 0, worst = 0;
 
     for (int row = 0; row < p->rows; row++) {
         long double value = 0, terms = 0, square = 0;
@@ -437,7 +438,7 @@ static void check_to_rounding(const rbdi_qp *s, const rbd_qp_problem *p, int num
             square += c * c;
         }
         const long double length = sqrtl(square), push = fabsl((long double)lambda[row]) * length;
-        largest = push > largest ? push : largest;
+        bound = fmaxl(bound, push);
 
         const long double kept = fabsl(value - (long double)s->value[row]);
         ck_assert_msg(kept <= 4 * epsilon * terms, "problem %d: value of row %d, by %Lg", number, row, kept);
@@ -455,10 +456,10 @@ static void check_to_rounding(const rbdi_qp *s, const rbd_qp_problem *p, int num
         }
         for (int row = 0; row < p->rows; row++)
             sum += (long double)p->C[row * p->n + i] * (long double)lambda[row];
-        largest = terms > largest ? terms : largest;
-        worst = fabsl(sum) <= worst ? worst : fabsl(sum);
+        bound = fmaxl(bound, terms);
+        worst = (long double)larger((double)worst, (double)fabsl(sum));
     }
-    ck_assert_msg(worst <= 32 * epsilon * largest, "problem %d: gradient %Lg of %Lg", number, worst, largest);
+    ck_assert_msg(worst <= 32 * epsilon * bound, "problem %d: gradient %Lg of %Lg", number, worst, bound);
 }
 
 /* Of H whose eigenvalues lie far apart factors alone leave a thousand roundings: corrections mend them, after

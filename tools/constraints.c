@@ -35,6 +35,7 @@ static const kind contacts = {contact_names, 1};
 static int report_unknown(const csv *header, const kind *k, const char *cell) {
     nearest n = nearest_to(cell);
     char hint[140];
+    if (header->n == 1 && strpbrk(cell, ";\t")) return csv_separators(header);
     for (int i = 0; k->names[i]; i++) nearest_see(&n, k->names[i], strlen(k->names[i]));
     return csv_error(header, "column '%s' is unknown%s", cell, nearest_hint(&n, hint));
 }

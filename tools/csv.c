@@ -17,6 +17,11 @@ int csv_error(const csv *c, const char *format, ...) {
     return -1;
 }
 
+int csv_separators(const csv *header) {
+    return csv_error(header, "it has %s and no commas: cells are parted by commas, numbers have points",
+                     strchr(header->cells[0], ';') ? "semicolons" : "tabs");
+}
+
 /* Reads a line into text, without its end. Returns 1, 0 at the end of the input, or -1 after a message. */
 static int read_line(csv *c) {
     size_t length = 0;
@@ -31,7 +36,9 @@ static int read_line(csv *c) {
     c->line++;
     c->text[length] = 0;
     if (ferror(from)) return csv_error(c, "it cannot be read: %s", strerror(errno));
-    if (strlen(c->text) != length) return csv_error(c, "it has a zero byte");
+    if (strlen(c->text) != length)
+        return csv_error(c, "it has a zero byte%s",
+                         c->line == 1 ? "; a text in UTF-16 must be saved as UTF-8" : "");
     return character != EOF || length > 0;
 }
 

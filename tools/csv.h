@@ -24,6 +24,9 @@ void csv_free(csv *c);
 /* Prints a message with the row's number to standard error; returns -1. */
 int csv_error(const csv *c, const char *format, ...);
 
+/* The message for a header of one cell that has semicolons or tabs in place of commas; returns -1. */
+int csv_separators(const csv *header);
+
 /* Prints a cell, in quotes where it needs them; all but the first of a row with a comma before. */
 void csv_print(const char *cell, int first);
 

@@ -99,6 +99,7 @@ static int report_missing(const csv *header, const columns *names, const char *n
     for (int k = 0; k < header->n; k++)
         if (!is_name(names, header->cells[k])) nearest_see(&n, header->cells[k], strlen(header->cells[k]));
     list_cells(header, found, sizeof found);
+    if (header->n == 1 && strpbrk(header->cells[0], ";\t")) return csv_separators(header);
     if (*n.best)
         return csv_error(header, "column '%s' is missing (--layout prints all); is '%s' meant for it?", name,
                          n.best);
@@ -160,6 +161,13 @@ static void print_names(const columns *c) {
     printf("\n");
 }
 
+/* Numbers too large to compute with. */
+static int report_overflow(const csv *row, const columns *out, const double *y) {
+    for (int i = 0; i < out->n; i++)
+        if (!isfinite(y[i])) return csv_error(row, "the result '%s' overflows", out->name[i]);
+    return 0;
+}
+
 static void print_numbers(const double *x, int n) {
     for (int i = 0; i < n; i++) printf("%s%.17g", i ? "," : "", x[i] + 0.0); /* -0 is written 0 */
     printf("\n");
@@ -188,6 +196,7 @@ static int evaluate(csv *table, const algorithm *a, state *s, const columns *in,
             status = report_failure(table, s, result);
             break;
         }
+        if ((status = report_overflow(table, out, y)) != 0) break;
         if (!named++) /* not before it is known that a row is good */
             print_names(out);
         print_numbers(y, out->n);
@@ -219,7 +228,7 @@ typedef struct options {
     const algorithm *algorithm;
     double point[3], dt;
     const char **given; /* ngiven */
-    int ngiven, layout;
+    int ngiven, layout, point_given, dt_given;
     settings settings;
 } options;
 
@@ -239,6 +248,7 @@ static int report_algorithm(const char *name) {
 static int read_dt(options *o, const char *text) {
     char *end;
     o->dt = strtod(text, &end);
+    o->dt_given = 1;
     if (end != text && !*end && o->dt > 0 && isfinite(o->dt)) return 0;
     return usage_error("--dt: '%s' is not a number above 0", text);
 }
@@ -258,13 +268,33 @@ static int read_own(options *o, char **argv, int *i) {
     if (option_is(argv[*i], "--dt")) return (value = option_value(argv, i)) ? read_dt(o, value) : EXIT_USAGE;
     if (option_is(argv[*i], "--given"))
         return (o->given[o->ngiven++] = option_value(argv, i)) ? 0 : EXIT_USAGE;
-    if (option_is(argv[*i], "--point"))
+    if (option_is(argv[*i], "--point")) {
+        o->point_given = 1;
         return (value = option_value(argv, i)) ? read_vector("--point", value, o->point) : EXIT_USAGE;
+    }
     if (!option_is(argv[*i], "--algorithm")) return -1;
     value = option_value(argv, i);
     if (!value) return EXIT_USAGE;
     o->algorithm = find_algorithm(value);
     return o->algorithm ? 0 : report_algorithm(value);
+}
+
+/* An option that the algorithm does not read would be lost. */
+static int check_unread(const options *o) {
+    const int takes = o->algorithm->takes;
+    const struct {
+        const char *name;
+        int given, takers;
+    } own[] = {{"--body", o->body != NULL, TAKES_POINT},
+               {"--point", o->point_given, TAKES_POINT},
+               {"--given", o->ngiven > 0, TAKES_GIVEN},
+               {"--constraints", o->constraints != NULL, TAKES_CONSTRAINTS | TAKES_CONTACTS},
+               {"--contacts", o->contacts != NULL, TAKES_CONTACTS},
+               {"--dt", o->dt_given, TAKES_CONTACTS}};
+    for (size_t k = 0; k < sizeof own / sizeof *own; k++)
+        if (own[k].given && !(takes & own[k].takers))
+            return usage_error("%s: '%s' does not take it", own[k].name, o->algorithm->name);
+    return 0;
 }
 
 /* Returns 0 to go on, or 1 + the exit status to end with. */
@@ -298,7 +328,7 @@ static int read_options(options *o, char **argv) {
         return 1 + usage_error("--constraints is missing: %s takes a table of them", o->algorithm->name);
     if (o->algorithm->takes & TAKES_CONTACTS && !o->contacts)
         return 1 + usage_error("--contacts is missing: %s takes a table of them", o->algorithm->name);
-    return 0;
+    return check_unread(o) ? 1 + EXIT_USAGE : 0;
 }
 
 static void print_layout(const columns *in, const columns *out) {

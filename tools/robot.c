@@ -55,8 +55,21 @@ int option_is(const char *argument, const char *name) {
     return strncmp(argument, name, length) == 0 && (argument[length] == 0 || argument[length] == '=');
 }
 
+/* Whether an option stands before argument i too, where it would be lost. */
+static int stands_before(char **argv, int i) {
+    static const char *const several[] = {"--keep", "--lock", "--given", "--passive"};
+    char name[100];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(argv[i], "="), argv[i]);
+    for (size_t k = 0; k < sizeof several / sizeof *several; k++)
+        if (strcmp(name, several[k]) == 0) return 0;
+    for (int k = 1; k < i; k++)
+        if (option_is(argv[k], name)) return usage_error("%s: it stands twice", name);
+    return 0;
+}
+
 const char *option_value(char **argv, int *i) {
     const char *equals = strchr(argv[*i], '=');
+    if (stands_before(argv, *i)) return NULL;
     if (equals) return equals + 1;
     if (!argv[*i + 1]) {
         usage_error("%s: its value is missing", argv[*i]);

@@ -37,8 +37,8 @@ void settings_free(settings *s);
 int settings_read(settings *s, char **argv, int *i);
 extern const char settings_help[];
 
-/* The value of argument *i, "--name VALUE" or "--name=VALUE"; NULL after a message if there is none.
-   option_is tells whether the argument is this option. */
+/* The value of argument *i, "--name VALUE" or "--name=VALUE"; NULL after a message if there is none, or if an
+   option stands twice that may not. option_is tells whether the argument is this option. */
 const char *option_value(char **argv, int *i);
 int option_is(const char *argument, const char *name);
 

@@ -129,12 +129,17 @@ def compiler(target):
 # ---- build and run ----
 
 def build(target, folder, scalars, levels, parts, codegen):
+    family = "riscv.ini" if is_riscv(target) else "arm.ini"
+    options = ["-Dfirmware_scalars=" + ",".join(scalars), "-Dfirmware_levels=" + ",".join(levels),
+               "-Dfirmware_parts=" + ",".join(parts), "-Dcodegen=" + (str(codegen.absolute()) if codegen else "")]
+    configured = folder / "firmware_options.txt"
     if not (folder / "build.ninja").exists():
-        family = "riscv.ini" if is_riscv(target) else "arm.ini"
         output_of("meson", "setup", "--wipe" if folder.exists() else "--warnlevel=2", "--cross-file",
-                  CROSS / (target + ".ini"), "--cross-file", CROSS / family, "-Dfirmware_scalars=" + ",".join(scalars),
-                  "-Dfirmware_levels=" + ",".join(levels), "-Dfirmware_parts=" + ",".join(parts),
-                  "-Dcodegen=" + (str(codegen.absolute()) if codegen else ""), folder, ROOT)
+                  CROSS / (target + ".ini"), "--cross-file", CROSS / family, *options, folder, ROOT)
+    elif not configured.exists() or configured.read_text() != "\n".join(options):
+        output_of("meson", "configure", folder, *options)
+    configured.write_text("\n".join(options))
+
     output_of("ninja", "-C", folder, "--quiet")
 
 

@@ -3,6 +3,7 @@
    Writes two tables to standard output: energy.gp draws them. */
 #define RBD_IMPLEMENTATION
 #include "rbd_contact.h"
+#include "../larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -141,7 +142,7 @@ static double print_box(void) {
             if (!lost) printf("%.9f", change(&first) / first.start);
             printf(",%.9f,%.9f\n", change(&runge) / runge.start, change(&second) / second.start);
         }
-        worst = fmax(worst, fabs(change(&second)) / second.start);
+        worst = larger(worst, fabs(change(&second)) / second.start);
         if (!lost) step(&first, dt);
         runge_kutta(&runge, dt);
         step(&second, dt);
@@ -158,7 +159,7 @@ static double print_arm(void) {
     puts("t s,first order,second order");
     for (int k = 0; k <= 2000; k++) {
         if (k % 10 == 0) printf("%.2f,%.9f,%.9f\n", k * dt, change(&first), change(&second));
-        worst = fmax(worst, fabs(change(&second)));
+        worst = larger(worst, fabs(change(&second)));
         step(&first, dt);
         step(&second, dt);
     }

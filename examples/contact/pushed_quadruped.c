@@ -4,6 +4,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_contact.h"
 #include "models/hyq_model.h"
+#include "../larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -64,7 +65,7 @@ int main(void) {
         for (int i = 0; i < LEGS; i++) tau[LEG + i] = kp * (stance[i] - q[HYQ_Q_LF_HAA_JOINT + i]);
         wrench[4] = push(t);
         check(rbd_contact_step(&hyq_model, c, q, v, tau, wrench, damping, dt, q, v));
-        worst = fmax(worst, rbd_contact_last(c).residual);
+        worst = larger(worst, rbd_contact_last(c).residual);
         for (int i = 0; i < FEET; i++) down += rbd_contact_get(c, i, NULL, force[i]) >= RBD_STICKS;
         if (t >= 0.4 && down < fewest[t >= 1.4]) fewest[t >= 1.4] = down;
         sum = force[0][2] + force[1][2] + force[2][2] + force[3][2];

@@ -2,6 +2,7 @@
    gains energy. */
 #define RBD_IMPLEMENTATION
 #include "rbd_contact.h"
+#include "../larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -58,7 +59,7 @@ int main(void) {
             touching += state == RBD_STICKS, slipping += state == RBD_SLIPS;
         }
         now = energy(m, w, q, v);
-        if (touching + slipping > 0) gain = fmax(gain, now - before);
+        if (touching + slipping > 0) gain = larger(gain, now - before);
         before = now;
         if (k % STEPS_PER_ROW == 0)
             printf("%.2f s: centre at %5.2f %5.2f %5.2f m, energy %6.2f J, %d corners touch\n", k * dt, q[0],

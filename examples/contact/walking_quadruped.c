@@ -5,6 +5,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_contact.h"
 #include "models/hyq_model.h"
+#include "../larger.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -210,16 +211,16 @@ int main(void) {
         for (int i = LEG; i < NV; i++) tau[i] = kp * (wanted[i + NQ - NV] - q[i + NQ - NV]);
         wrench[4] = t >= 26 && t < 26.1 ? 800 : 0; /* along the trunk's y axis */
         check(rbd_contact_step(&hyq_model, ground, q, v, tau, wrench, damping, dt, q, v));
-        residual = fmax(residual, rbd_contact_last(ground).residual);
+        residual = larger(residual, rbd_contact_last(ground).residual);
         memcpy(now->q, q, sizeof q);
         for (int i = 0; i < FEET; i++) {
             double gap, *f = now->force[i];
             rbd_contact_get(ground, i, &gap, f);
-            deepest = fmax(deepest, -gap);
-            if (f[2] > 0) steepest = fmax(steepest, hypot(f[0], f[1]) / f[2]);
+            deepest = larger(deepest, -gap);
+            if (f[2] > 0) steepest = larger(steepest, hypot(f[0], f[1]) / f[2]);
         }
         lowest = fmin(lowest, q[HYQ_Q_ROOT_Z] - height_at(q[HYQ_Q_ROOT_X]));
-        tilt = fmax(tilt, 2 * hypot(q[HYQ_Q_ROOT_QX], q[HYQ_Q_ROOT_QY]));
+        tilt = larger(tilt, 2 * hypot(q[HYQ_Q_ROOT_QX], q[HYQ_Q_ROOT_QY]));
     }
     print_tables();
 

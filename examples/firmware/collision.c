@@ -8,6 +8,7 @@
 #include "rbd_estimate.h"
 #define IIWA_MODEL_IMPLEMENTATION /* the built model: const, in flash */
 #include "models/iiwa_model.h"
+#include "../larger.h"
 
 enum { N = IIWA_NV, STEPS = 1000000 / PERIOD_US, PUSHED = IIWA_BODY_LBR_IIWA_LINK_4 }; /* one second */
 
@@ -59,12 +60,12 @@ int main(void) {
         if (status == RBD_OK) status = rbd_observer_step(&iiwa_model, w, o, q, v, tau, PERIOD, r, NULL, NULL);
         if (felt(r) > link) link = felt(r);
         if (first < 0 && link >= 0) first = step;
-        for (int i = 0; i < N && !pushed; i++) quiet = fmaxf(quiet, fabsf(r[i]));
+        for (int i = 0; i < N && !pushed; i++) quiet = largerf(quiet, fabsf(r[i]));
         late += !board_wait(&start, BOARD_TICKS(PERIOD_US));
     }
     for (int i = 0; i < N; i++) {
-        size = fmaxf(size, fabsf(truth[i]));
-        error = fmaxf(error, fabsf(r[i] - truth[i]));
+        size = largerf(size, fabsf(truth[i]));
+        error = largerf(error, fabsf(r[i] - truth[i]));
     }
     printf("collision, iiwa: %d periods of %d us, %d late; %d mN m at most without a push; it is felt after "
            "%d ms, on link %d and none beyond; up to %d mN m in the end, off by %d: %s\n",

@@ -6,6 +6,7 @@
 #include "control.h"
 #define IIWA_MODEL_IMPLEMENTATION /* the built model: const, in flash */
 #include "models/iiwa_model.h"
+#include "../larger.h"
 
 enum { N = IIWA_NV, STEPS = 1000000 / PERIOD_US }; /* one second */
 
@@ -39,7 +40,7 @@ static rbd_real deviation(rbd_real t, const rbd_real *q) {
     for (int i = 0; i < N; i++) {
         rbd_real q_path, v_path, a_path;
         path(i, t, &q_path, &v_path, &a_path);
-        largest = fmaxf(largest, fabsf(q[i] - q_path - expected));
+        largest = largerf(largest, fabsf(q[i] - q_path - expected));
     }
     return largest;
 }
@@ -61,7 +62,7 @@ int main(void) {
         status = control(w, (rbd_real)step * PERIOD, q, v, tau);
         if (status == RBD_OK) status = simulate(&iiwa_model, w, q, v, tau, NULL, scratch);
         late += !board_wait(&start, BOARD_TICKS(PERIOD_US));
-        worst = fmaxf(worst, deviation((rbd_real)(step + 1) * PERIOD, q));
+        worst = largerf(worst, deviation((rbd_real)(step + 1) * PERIOD, q));
     }
     const rbd_real last = deviation((rbd_real)STEPS * PERIOD, q);
     /* Held over a period, the torque is half of one late: at worst so much of the first error, times its

@@ -8,6 +8,7 @@
 #include "cost.h"
 #define FIVE_BAR_MODEL_IMPLEMENTATION
 #include "models/five_bar_model.h"
+#include "../larger.h"
 
 enum { NV = FIVE_BAR_NV, STEPS = 2000000 / PERIOD_US }; /* two seconds: one round */
 
@@ -80,14 +81,14 @@ int main(void) {
         uint32_t part = board_now(), ticks;
         status = control((rbd_real)step * PERIOD, q, v, tau, &off);
         ticks = cost_since(&part), torques = ticks > torques ? ticks : torques;
-        passive = fmaxf(passive, fmaxf(fabsf(tau[1]), fabsf(tau[3])));
+        passive = largerf(passive, largerf(fabsf(tau[1]), fabsf(tau[3])));
         tau[1] = tau[3] = 0;
         part = board_now();
         if (status == RBD_OK) status = move(q, v, tau);
         ticks = cost_since(&part), motion = ticks > motion ? ticks : motion;
         if (status == RBD_OK) status = rbd_constraint_jacobian(&five_bar_model, loop, q, v, NULL, NULL, e);
-        open = fmaxf(open, hypotf(e[0], e[1]));
-        if (step >= STEPS / 2) late_off = fmaxf(late_off, off);
+        open = largerf(open, hypotf(e[0], e[1]));
+        if (step >= STEPS / 2) late_off = largerf(late_off, off);
         late += !board_wait(&start, BOARD_TICKS(PERIOD_US));
     }
     printf(

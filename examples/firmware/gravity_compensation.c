@@ -7,6 +7,7 @@
 #include "control.h"
 #define HYQ_MODEL_IMPLEMENTATION /* the built model: const, in flash */
 #include "models/hyq_model.h"
+#include "../larger.h"
 
 enum { NV = HYQ_NV, TRUNK = HYQ_DOF_LF_HAA_JOINT, LEGS = 4, STEPS = 1000000 / PERIOD_US }; /* one second */
 
@@ -47,11 +48,11 @@ int main(void) {
     uint32_t start = board_now();
     for (int step = 0; step < STEPS && status == RBD_OK; step++) {
         status = control(w, q, v, g, tau);
-        weight = fmaxf(weight, weight_error(g));
+        weight = largerf(weight, weight_error(g));
         if (status == RBD_OK) status = simulate(&hyq_model, w, q, v, tau, NULL, scratch);
         late += !board_wait(&start, BOARD_TICKS(PERIOD_US));
     }
-    for (int i = 0; i < NV; i++) fastest = fmaxf(fastest, fabsf(v[i]));
+    for (int i = 0; i < NV; i++) fastest = largerf(fastest, fabsf(v[i]));
     printf("gravity compensation, HyQ: %d periods of %d us, %d late; weight off by %d ppm at worst; %d "
            "urad/s left "
            "of a push of %d: %s\n",

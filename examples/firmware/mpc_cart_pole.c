@@ -11,6 +11,7 @@
 #include "control.h"
 #include "mpc.h"
 #include "examples/mpc/swing_up.h"
+#include "../larger.h"
 
 enum { NQ = CART_POLE_NQ, NV = SWING_UP_NV, NU = SWING_UP_NU, N = SWING_UP_N, RATE = 1000, STEPS = 4500 };
 
@@ -52,9 +53,9 @@ int main(void) {
         const uint32_t stack = cost_stack(1);
         cost.stack = stack > cost.stack ? stack : cost.stack;
         tau[0] = s.u[0];
-        most = fmaxf(most, fabsf(tau[0]));
+        most = largerf(most, fabsf(tau[0]));
         if (status == RBD_OK) status = simulate(&cart_pole_model, problem.w, q, v, tau, NULL, scratch);
-        away = fmaxf(fabsf(q[0]), fabsf(q[1] - swing_up_angle));
+        away = largerf(fabsf(q[0]), fabsf(q[1] - swing_up_angle));
     }
     const int in_time = mpc_report("cart and pole", &cost, RATE, N);
     printf("in the end %d um or urad away from upright, %d mN at most: %s\n", (int)(away * 1e6f),

@@ -11,6 +11,7 @@
 #include "control.h"
 #include "mpc.h"
 #include "examples/mpc/reach.h"
+#include "../larger.h"
 
 enum { NV = REACH_NV, N = REACH_N, RATE = 125, STEPS = 2 * RATE, PERIODS = 1000000 / PERIOD_US / RATE };
 
@@ -65,8 +66,8 @@ int main(void) {
         if (status == RBD_OK) status = mpc_tick(&s, 1 / (RATE * problem.dt), q, v, &cost);
         const uint32_t stack = cost_stack(1);
         cost.stack = stack > cost.stack ? stack : cost.stack;
-        for (int j = 0; j < NV; j++) beyond = fmaxf(beyond, fabsf(s.u[j]) - reach_limit[j]);
-        if (i >= RATE) away = fmaxf(away, distance(time, q));
+        for (int j = 0; j < NV; j++) beyond = largerf(beyond, fabsf(s.u[j]) - reach_limit[j]);
+        if (i >= RATE) away = largerf(away, distance(time, q));
         for (int j = 0; j < PERIODS && status == RBD_OK; j++)
             status = simulate(&iiwa_model, problem.w, q, v, s.u, NULL, scratch);
     }

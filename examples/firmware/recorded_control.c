@@ -7,6 +7,7 @@
 #include "recorded_controller.h"
 #include "control.h"
 #include "cost.h"
+#include "../larger.h"
 
 #ifndef RECORDED_TICKS
 #define RECORDED_TICKS 500
@@ -74,7 +75,8 @@ int main(void) {
         if (bad >= 0) break;
         for (int i = 0; i < STEPS && status == RBD_OK; i++)
             status = simulate(&iiwa_model, w, q, v, tau, NULL, scratch);
-        for (int i = 0; i < N && tick < LOOSE; i++) worst = fmaxf(worst, fabsf(in[WANTED_Q + i] - in[Q + i]));
+        for (int i = 0; i < N && tick < LOOSE; i++)
+            worst = largerf(worst, fabsf(in[WANTED_Q + i] - in[Q + i]));
     }
     printf("recorded control, iiwa: error %d urad at worst, then joint %d beyond %d N m in tick %d; a push "
            "takes "

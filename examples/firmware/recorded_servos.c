@@ -7,6 +7,7 @@
 #include "servo_controller.h"
 #include "board.h"
 #include "cost.h"
+#include "../larger.h"
 
 #ifndef RECORDED_TICKS
 #define RECORDED_TICKS 500
@@ -80,7 +81,7 @@ int main(void) {
         if (status == RBD_OK) status = simulate(robot, w, currents, q, v);
         for (int i = 0; i < N; i++) {
             const rbd_real error = fabsf(in[WANTED_Q + i] - in[Q + i]);
-            if (tick < DRY) worst = fmaxf(worst, error);
+            if (tick < DRY) worst = largerf(worst, error);
             if (!(error < too_far)) bad = i;
         }
     }

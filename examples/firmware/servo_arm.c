@@ -8,6 +8,7 @@
 #include "cost.h"
 #include "rbd_actuator.h"
 #include "models/iiwa_model.h"
+#include "../larger.h"
 
 enum { NV = IIWA_NV, TICKS = 500, MOST_INSTRUCTIONS = 1500 };
 static const rbd_real period = 1e-3f;
@@ -79,7 +80,7 @@ static rbd_real follow(const rbd_motor *table, uint32_t *instructions) {
         *instructions = took > *instructions ? took : *instructions;
         if (status == RBD_OK) status = simulate(robot, drives, q, v);
         plan(((rbd_real)tick + 1) * period, q_plan, v_plan, acc);
-        for (int k = 0; k < NV; k++) off = fmaxf(off, fabsf(q[k] - q_plan[k]));
+        for (int k = 0; k < NV; k++) off = largerf(off, fabsf(q[k] - q_plan[k]));
     }
     return status == RBD_OK ? off : (rbd_real)INFINITY;
 }

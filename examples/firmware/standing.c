@@ -8,6 +8,7 @@
 #include "cost.h"
 #include "rbd_contact.h"
 #include "models/hyq_model.h"
+#include "../larger.h"
 
 enum { NQ = HYQ_NQ, NV = HYQ_NV, FEET = 4, LEG = HYQ_DOF_LF_HAA_JOINT, LEGS = NV - LEG, STEPS = 1200 };
 
@@ -83,7 +84,7 @@ int main(void) {
         stack = used > stack ? used : stack;
         worst = all > worst ? all : worst;
         for (int k = 0; k < 2; k++) sum[k] += COST_INSTRUCTIONS(took[k]);
-        residual = fmaxf(residual, rbd_contact_last(ground).residual);
+        residual = largerf(residual, rbd_contact_last(ground).residual);
         force = 0;
         for (int k = 0; k < FEET; k++) {
             rbd_real f[3];
@@ -91,7 +92,7 @@ int main(void) {
             force += f[2];
         }
         fewest = i > 100 && standing < fewest ? standing : fewest;
-        away = fmaxf(away, fabsf(q[HYQ_Q_ROOT_Y]));
+        away = largerf(away, fabsf(q[HYQ_Q_ROOT_Y]));
     }
     const uint32_t controller = (uint32_t)(sum[0] / STEPS), robot = (uint32_t)(sum[1] / STEPS);
     const int stands = q[HYQ_Q_ROOT_Z] > 0.5f && fabsf(q[HYQ_Q_ROOT_Y]) < 0.03f &&

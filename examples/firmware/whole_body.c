@@ -9,6 +9,7 @@
 #include "rbd_contact.h"
 #include "rbd_tasks.h"
 #include "models/hyq_model.h"
+#include "../larger.h"
 
 enum { NQ = HYQ_NQ, NV = HYQ_NV, FEET = 4, STEPS = 1000 };
 
@@ -108,7 +109,7 @@ int main(void) {
         for (int k = 0; k < 2; k++) sum[k] += took[k];
         for (int k = 0; k < 3; k++) worst[k] = took[k] > worst[k] ? took[k] : worst[k];
         for (int k = 0; k < FEET; k++) slips += rbd_contact_get(ground, k, NULL, NULL) == RBD_SLIPS;
-        aside = fmaxf(aside, q[HYQ_Q_ROOT_Y]);
+        aside = largerf(aside, q[HYQ_Q_ROOT_Y]);
     }
 
     const int back = fabsf(q[HYQ_Q_ROOT_Y]) < 2e-3f && fabsf(q[HYQ_Q_ROOT_Z] - home[HYQ_Q_ROOT_Z]) < 2e-3f;

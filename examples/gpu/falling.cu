@@ -9,6 +9,7 @@
    instructions, which warps that drift apart fetch each for itself: so blocks are large, and their warps wait
    for each other at each step. And a thread's memory is 18 kB: so there are no more threads than the
    multiprocessors hold at once, and a thread has several robots, one after the other. */
+#include "../larger.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -219,8 +220,7 @@ static robot start(int i) {
 
 static float difference(const robot *a, const robot *b) {
     float most = 0;
-    for (int k = 0; k < HYQ_NQ; ++k)
-        if (!(fabsf(a->q[k] - b->q[k]) <= most)) most = fabsf(a->q[k] - b->q[k]);
+    for (int k = 0; k < HYQ_NQ; ++k) most = largerf(most, fabsf(a->q[k] - b->q[k]));
     return most;
 }
 
@@ -233,14 +233,14 @@ static void compare(int n, int every, int steps, float dt, const float *q, const
     *mean = *most = 0;
     for (int i = 0; i < n; i += every, ++compared) {
         robot r, host = start(i);
-        double d;
+        float d;
 
         get(&r, n, i, q, v);
         host.status = begin(&at);
         fall(&host, at.c, steps, dt);
         d = difference(&r, &host);
         *mean += d;
-        if (!(d <= *most)) *most = d;
+        *most = larger(*most, d);
     }
     *mean /= compared;
 }

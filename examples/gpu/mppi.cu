@@ -9,6 +9,7 @@
 #include "iiwa_code.cuh"
 
 #include "mppi.h"
+#include "../larger.h"
 
 #include <chrono>
 
@@ -133,8 +134,8 @@ int main(int count, char **arguments) {
         reach::hand(arm.now.state, p);
         nearest = fminf(nearest, reach::from_pillar(p));
         if (tick >= TICKS / 4 * 3) {
-            upright = fmaxf(upright, fabsf(cart.now.state[1] - 3.14159265f));
-            near = fmaxf(near, reach::away(p));
+            upright = largerf(upright, fabsf(cart.now.state[1] - 3.14159265f));
+            near = largerf(near, reach::away(p));
         }
         if (timed) continue;
         printf("%d,%.3f,%.3f,%.2f,%.3f,%.3f,%.3f,%.3f\n", tick, cart.now.state[0], cart.now.state[1],

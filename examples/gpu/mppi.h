@@ -60,7 +60,7 @@ template <class P> RBD_KERNEL mppi_sample(int n, P problem, unsigned tick, const
 template <class P> RBD_KERNEL mppi_least(int chunks, int n, const float *cost, float *least) {
     RBD_EACH_STATE(chunk, chunks) {
         float lowest = cost[chunk];
-        for (int i = chunk; i < n; i += MPPI_CHUNKS) lowest = cost[i] < lowest ? cost[i] : lowest;
+        for (int i = chunk; i < n; i += MPPI_CHUNKS) lowest = fminf(lowest, cost[i]);
         least[chunk] = lowest;
     }
 }
@@ -74,7 +74,7 @@ RBD_KERNEL mppi_sum(int all, P problem, unsigned tick, int n, float temperature,
         const int chunk = thread % MPPI_CHUNKS, place = thread / MPPI_CHUNKS;
         const int knot = place / P::NU, j = place % P::NU;
         float lowest = least[0], sum = 0;
-        for (int k = 1; k < MPPI_CHUNKS; ++k) lowest = least[k] < lowest ? least[k] : lowest;
+        for (int k = 1; k < MPPI_CHUNKS; ++k) lowest = fminf(lowest, least[k]);
         for (int i = chunk; i < n; i += MPPI_CHUNKS) {
             const float weight = expf((lowest - cost[i]) / temperature);
             if (weight > 1e-6f)

@@ -14,6 +14,7 @@
 #include "check.h"
 #include "squares.h"
 #include "times.h"
+#include "../larger.h"
 
 enum { N = 40, SUBSTEPS = 20 };
 
@@ -103,7 +104,7 @@ static void replay_step(double *q, double *v, double *a, double time, double *mo
         add_bracket(e, b, 1. / 12, turn);
         for (int i = 0; i < NV; i++) {
             move[i] += time * share[stage] * turn[i], gain[i] += time * share[stage] * a[i];
-            if (i >= 6) *most = fmax(*most, fabs(tau[i]) / limits[i - 6].effort);
+            if (i >= 6) *most = larger(*most, fabs(tau[i]) / limits[i - 6].effort);
         }
     }
     check(rbd_integrate(&atlas_model, q, move, 1, q));
@@ -169,8 +170,8 @@ static outcome replay(void) {
     puts("t s,lean deg,as planned,if the joints were locked,momentum's error,torque over its limit");
     for (int k = 0; k <= N; k++) {
         double most = 0, error = momentum_error(q, v);
-        o.lean = lean(q, o.lean), planned = lean(s.q + k * NQ, planned), o.error = fmax(o.error, error);
-        for (int i = 0; i < NU && k < N; i++) most = fmax(most, fabs(s.u[k * NU + i]) / limits[i].effort);
+        o.lean = lean(q, o.lean), planned = lean(s.q + k * NQ, planned), o.error = larger(o.error, error);
+        for (int i = 0; i < NU && k < N; i++) most = larger(most, fabs(s.u[k * NU + i]) / limits[i].effort);
         printf("%.2f,%.1f,%.1f,%.1f,%.1e,%.3f\n", k * dt, o.lean * 180 / pi, planned * 180 / pi,
                rate * k * dt * 180 / pi, error + 1e-17, most);
         memcpy(shown[k], q, sizeof q);
@@ -203,8 +204,8 @@ int main(int count, char **arguments) {
     for (int k = 0; k < N; k++)
         for (int i = 0; i < NU; i++) {
             const double x = s.q[(k + 1) * NQ + 7 + i];
-            beyond = fmax(beyond, fmax(limits[i].lower - x, x - limits[i].upper));
-            torque = fmax(torque, fabs(s.u[k * NU + i]) / limits[i].effort);
+            beyond = larger(beyond, larger(limits[i].lower - x, x - limits[i].upper));
+            torque = larger(torque, fabs(s.u[k * NU + i]) / limits[i].effort);
         }
     if (count > 1 && strcmp(arguments[1], "--times") == 0) {
         ilqr_print_times(&s, "the somersault");

@@ -5,6 +5,7 @@
 #include "check.h"
 
 #include "swing_up.h"
+#include "../larger.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,11 +63,12 @@ int main(void) {
     prepare();
     const int iterations = converge();
     const double *q = s.q + N * NQ, *v = s.v + N * NV, error = ilqr_derivative_error(&s, scratch);
-    const double away = fmax(fmax(fabs(q[0]), fabs(q[1] - swing_up_angle)), fmax(fabs(v[0]), fabs(v[1])));
+    const double away =
+        larger(larger(fabs(q[0]), fabs(q[1] - swing_up_angle)), larger(fabs(v[0]), fabs(v[1])));
     double most = 0;
     int limited = 0;
     for (int k = 0; k < N; k++) {
-        most = fmax(most, fabs(s.u[k]));
+        most = larger(most, fabs(s.u[k]));
         limited += fabs(s.u[k]) >= swing_up_most;
     }
     printf("converged after %d iterations, the cost fell in each: %s\n", iterations,

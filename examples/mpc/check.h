@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "ilqr.h"
+#include "../larger.h"
 
 /* A knot's state and control moved by t along component j of z = (q, v, u): out is q (nq), v (nv), u (nu). */
 static inline void ilqr_moved(const ilqr *s, int k, int j, rbd_real t, rbd_real *out) {
@@ -43,15 +44,15 @@ static inline rbd_real ilqr_derivative_error(ilqr *s, rbd_real *memory) {
             }
             for (int i = 0; i < n && !end; i++) {
                 const rbd_real difference = (x[1][size - n + i] - x[0][size - n + i]) / (2 * h);
-                largest = (rbd_real)fmax((double)largest, fabs((double)difference));
+                largest = (rbd_real)larger((double)largest, fabs((double)difference));
                 error += (rbd_real)fabs((double)(difference - f_z[i * nz + j]));
             }
             const rbd_real difference = (l[1] - l[0]) / (2 * h);
-            largest_l = (rbd_real)fmax((double)largest_l, fabs((double)difference));
+            largest_l = (rbd_real)larger((double)largest_l, fabs((double)difference));
             error_l += (rbd_real)fabs((double)(difference - s->Q_z[j]));
         }
         error = error / largest + error_l / largest_l;
-        if (!(error <= worst)) worst = error;
+        worst = (rbd_real)larger((double)worst, (double)error);
     }
     return worst;
 }

@@ -7,6 +7,7 @@
 #include "check.h"
 #include "rbd_contact.h"
 #include "squares.h"
+#include "../larger.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -163,7 +164,7 @@ static void print_table(void) {
 /* Does the state stand where it shall? Within 1 cm, and 10 cm/s. */
 static int stands(const double *q, const double *v) {
     double motion = 0;
-    for (int i = 0; i < NV; i++) motion = fmax(motion, fabs(v[i]));
+    for (int i = 0; i < NV; i++) motion = larger(motion, fabs(v[i]));
     return fabs(q[X] - forward) < 0.01 && fabs(q[Z] - height) < 0.01 && motion < 0.1;
 }
 

@@ -15,6 +15,7 @@
 #include "hyq_robot.h"
 #include "squares.h"
 #include "times.h"
+#include "../larger.h"
 
 enum { TAKEOFF = 30, TOUCHDOWN = TAKEOFF + 36, N = TOUCHDOWN + 34 }; /* knots where these phases begin */
 enum { TICKS = 150, STEPS = 10 };                                    /* of control; of the robot in each */
@@ -225,7 +226,7 @@ static double slip(int first, int last) {
     check(rbd_constraint_jacobian(&hyq_model, feet, s.q + first * NQ, NULL, NULL, NULL, from));
     for (int k = first; k <= last; k++) {
         check(rbd_constraint_jacobian(&hyq_model, feet, s.q + k * NQ, NULL, NULL, NULL, to));
-        for (int i = 0; i < ROWS; i++) worst = fmax(worst, fabs(to[i] - from[i]));
+        for (int i = 0; i < ROWS; i++) worst = larger(worst, fabs(to[i] - from[i]));
     }
     return worst;
 }
@@ -236,18 +237,18 @@ static void judge_forces(double *least, double *steepest) {
     for (int k = 0; k < N; k++)
         for (int i = 2; i < ROWS && phases[k] != FLY; i += 3) {
             *least = fmin(*least, force[k][i]);
-            for (int j = i - 2; j < i; j++) *steepest = fmax(*steepest, fabs(force[k][j]) / force[k][i]);
+            for (int j = i - 2; j < i; j++) *steepest = larger(*steepest, fabs(force[k][j]) / force[k][i]);
         }
 }
 
 /* Is the first plan a jump? */
 static int judge_plan(void) {
     double off[ROWS], miss = 0, largest = 0, least, steepest;
-    const double moved = fmax(slip(0, TAKEOFF), slip(TOUCHDOWN, N));
+    const double moved = larger(slip(0, TAKEOFF), slip(TOUCHDOWN, N));
     judge_forces(&least, &steepest);
-    for (int i = 0; i < N * NU; i++) largest = fmax(largest, fabs(s.u[i]));
+    for (int i = 0; i < N * NU; i++) largest = larger(largest, fabs(s.u[i]));
     check(rbd_constraint_jacobian(&hyq_model, feet, s.q + TOUCHDOWN * NQ, NULL, NULL, NULL, off));
-    for (int i = 0; i < ROWS; i++) miss = fmax(miss, fabs(off[i]));
+    for (int i = 0; i < ROWS; i++) miss = larger(miss, fabs(off[i]));
     fprintf(stderr, "feet land within %.0f mm of their places, move by less than %.0f mm while they stand\n",
             miss * 1e3, moved * 1e3);
     fprintf(stderr, "they push with %.0f N at least, never steeper than %.2f; torques up to %.0f N m\n",
@@ -259,10 +260,10 @@ static int judge_plan(void) {
 static int judge_jump(const robot *r, int falling) {
     double off[ROWS], miss = 0, away = 0, motion = 0, largest = 0;
     check(rbd_constraint_jacobian(&hyq_model, feet, r->q, NULL, NULL, NULL, off));
-    for (int i = 0; i < ROWS; i++) miss = fmax(miss, fabs(off[i]));
-    for (int i = 0; i < 3; i++) away = fmax(away, fabs(r->q[i] - goal[i]));
-    for (int i = 0; i < NV; i++) motion = fmax(motion, fabs(r->v[i]));
-    for (int i = 0; i < TICKS * NU; i++) largest = fmax(largest, fabs(past[i / NU].u[i % NU]));
+    for (int i = 0; i < ROWS; i++) miss = larger(miss, fabs(off[i]));
+    for (int i = 0; i < 3; i++) away = larger(away, fabs(r->q[i] - goal[i]));
+    for (int i = 0; i < NV; i++) motion = larger(motion, fabs(r->v[i]));
+    for (int i = 0; i < TICKS * NU; i++) largest = larger(largest, fabs(past[i / NU].u[i % NU]));
     const int lands = miss < 0.02 && away < 0.02 && motion < 0.02 && r->standing == 15;
     const int holds = largest <= limit && r->steepest < ground_friction;
     fprintf(stderr,

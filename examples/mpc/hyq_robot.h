@@ -5,6 +5,7 @@
 #define HYQ_ROBOT_H
 
 #include "hyq_feet.h"
+#include "../larger.h"
 
 static const double robot_dt = 1e-3;       /* s */
 static const double ground_friction = 0.7; /* more than the plan counts on */
@@ -60,7 +61,7 @@ static void robot_push(robot *r, const double *tau, const double *push, int land
     }
     for (int i = 0; i < ROWS && !landing; i += 3)
         for (int j = 0; j < 2 && r->standing >> i / 3 & 1; j++)
-            r->steepest = fmax(r->steepest, fabs(r->force[i + j]) / r->force[i + 2]);
+            r->steepest = larger(r->steepest, fabs(r->force[i + j]) / r->force[i + 2]);
 }
 
 /* Feet that have come down to the ground stand from now on. Returns whether there was one. */

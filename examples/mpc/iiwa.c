@@ -9,6 +9,7 @@
 
 #include "reach.h"
 #include "rbd_batch.h"
+#include "../larger.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -247,13 +248,13 @@ int main(int count, char **arguments) {
         const double *tau = control(i * tick, q, v);
         int at_limit = 0;
         for (int j = 0; j < NV; j++) {
-            beyond = fmax(beyond, fabs(tau[j]) - reach_limit[j]);
+            beyond = larger(beyond, fabs(tau[j]) - reach_limit[j]);
             at_limit |= fabs(tau[j]) >= reach_limit[j];
         }
         limited += at_limit;
         error = distance(i * tick, q);
         if (caught < 0 && error < 2e-3) caught = i;
-        if (i >= 1000) worst = fmax(worst, error);
+        if (i >= 1000) worst = larger(worst, error);
         if (!timed && i % TICKS_PER_ROW == 0) {
             printf("%.2f,%.2f", i * tick, error * 1e3);
             for (int j = 0; j < NV; j++) printf(",%.3f", tau[j] / reach_limit[j]);

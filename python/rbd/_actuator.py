@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Iterable, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import (_array, _Declared, _entries, _instance, _int, _list, _model, _ndim, _number, _numbered,
+from ._arguments import (_array, _Declared, _entries, _flag, _instance, _int, _list, _model, _ndim, _number, _numbered,
                          _numbers, _text, _utf8, _whole)
 from ._contacts import ContactSet
 from ._headers import Array, Matrix, Numbers, RbdError, Status, TransmissionKind, structure
@@ -68,8 +68,8 @@ class Motor(_Declared):
     damping: float = 0.0            #: N m s/rad, of this spring
     backlash: float = 0.0           #: rad: play of the spring
     delay: int = 0                  #: steps that a command takes
-    by_voltage: int = 0             #: 1: the drive sets volts, as of a hobby servo, and needs a resistance; 0: the current
-    sampled: int = 0                #: 1: the drive is as slow as the step; 0: much faster
+    by_voltage: bool = False        #: True: the drive sets volts, as of a hobby servo, and needs a resistance; False: the current
+    sampled: bool = False           #: True: the drive is as slow as the step; False: much faster
     friction: Friction | None = None  #: None: none
 
 
@@ -140,7 +140,7 @@ def _fill(given, row, where):
         if kind is ctypes.c_char_p:
             setattr(row, name, _text(where, name, value))
         elif kind is ctypes.c_int:
-            setattr(row, name, _int(_whole(where, name, value)))
+            setattr(row, name, _flag(where, name, value) if item.type == "bool" else _int(_whole(where, name, value)))
         elif isinstance(value, Friction):
             _fill(value, getattr(row, name), where)
         elif issubclass(kind, ctypes.Array):
@@ -383,7 +383,9 @@ def _rotor_torque(model, rotors, q, v, a, f_ext):
         where = f"rotor_torque: rotor {number}"
         if not 0 <= _whole(where, "dof", rotor.dof) < model.nv:
             raise IndexError(f"{where}: no such dof: {rotor.dof}; there are {model.nv}")
-        _fill(Rotor(model._body(rotor.body, where, world=True), rotor.dof, rotor.axis, rotor.gear, rotor.inertia),
+        if _number(where, "inertia", rotor.inertia) < 0:
+            raise RbdError(Status.ERR_RANGE, f"{where}, field 'inertia': {rotor.inertia} is negative")
+        _fill(Rotor(model._body(rotor.body, where, "body", world=True), rotor.dof, rotor.axis, rotor.gear, rotor.inertia),
               rows[number], where)
     arrays = [_numbers("rotor_torque", name, x, (size,), dtype) for name, x, size in
               (("q", q, model.nq), ("v", v, model.nv), ("a", a, model.nv))]

@@ -81,7 +81,7 @@ impulse       rows     the same of an impact: N m s, N s
 dlambda_dq    rows nv  row: constraint force; column: tangent step of q
 dlambda_dv    rows nv  row: constraint force; column: velocity
 dlambda_dtau  rows nv  row: constraint force; column: torque
-actuated      nv       1 where there is a motor, else 0; None = all but floating joints at the root
+actuated      nv       1 where there is a motor, else 0; None = all but floating joints
 weight        rows     from 0; None = 1
 distance      -        rad, if lengths have weights of 1 / length^2 or 0
 s             -        part of the way: 0 is q0, 1 is q1
@@ -147,7 +147,7 @@ def _array(call, name, value, dtype=np.dtype(float)):
     except (ValueError, TypeError) as error:
         raise TypeError(f"{call}: {name} is not an array of numbers: {error}") from None
     kinds, what = ("biuf", "real") if dtype.kind == "f" else ("biu", "whole")
-    if array.dtype.kind not in kinds:
+    if array.dtype.kind not in kinds or array.dtype.kind == "b" and not array.ndim:
         found = {"O": "Python objects", "U": "text", "S": "bytes", "V": "records"}.get(array.dtype.kind, "")
         found += f" ({array.dtype})" if found else str(array.dtype)
         if array.dtype.kind == "O" and array.size:
@@ -279,6 +279,28 @@ def _instance(call, name, value, kind):
     return value
 
 
+def _left_out(where, given, name, default):
+    """Refuses a field that this kind of row does not read: it would be lost."""
+    value = getattr(given, name)
+    same = value is None if default is None else type(value) is int and value == default
+    if not same:
+        raise ValueError(f"{where}, field '{name}': '{given.kind}' has none, but it is {value!r:.60}")
+
+
+# What a target or task of a kind reads of its place, turn and axis.
+_READS = {"point": "position", "pose": "position rotation", "relative": "position rotation", "rotation": "rotation",
+          "axis": "axis direction", "com": "position"}
+
+
+def _placed(where, kind, field, numbers):
+    """The numbers of a field, which must be 0 if this kind of target or task does not read it."""
+    if field in ("position", "rotation", "axis", "direction") and numbers.any():
+        if field not in _READS.get(kind.name.lower(), "").split():
+            reads = ", ".join(name for name, read in _READS.items() if field in read.split())
+            raise ValueError(f"{where}, field '{field}': '{kind.name.lower()}' does not read it; these do: {reads}")
+    return numbers
+
+
 def _model(call, value):
     """A Model; refuses others."""
     from ._model import Model  # which imports this module
@@ -305,11 +327,11 @@ def _list(call, name, value, kind):
     return entries
 
 
-def _mask(call, name, value, n):
-    """Flags of n degrees of freedom, 0 or 1."""
+def _mask(call, name, value, n, of="degree of freedom"):
+    """Flags of n things, 0 or 1."""
     flags = _numbers(call, name, value, (n,))
     if ((flags != 0) & (flags != 1)).any():
-        raise ValueError(f"{call}: {name} must be 0 or 1 for each degree of freedom")
+        raise ValueError(f"{call}: {name} must be 0 or 1 for each {of}")
     return flags.astype(np.uint8)
 
 
@@ -321,9 +343,11 @@ def _int(index):
 def _whole(call, name, value):
     """A whole number."""
     try:
-        return operator.index(value)
+        if not isinstance(value, (bool, np.bool_)):
+            return operator.index(value)
     except TypeError:
-        raise TypeError(f"{call}: {name} must be a whole number, not {value!r}") from None
+        pass
+    raise TypeError(f"{call}: {name} must be a whole number, not {value!r:.60}")
 
 
 def _flag(call, name, value):
@@ -342,8 +366,8 @@ def _axes(call, value):
 
 def _number(call, name, value):
     """A finite number."""
-    if isinstance(value, (str, bytes)):  # which float() would read
-        raise TypeError(f"{call}: {name} must be a number, not {value!r}")
+    if isinstance(value, (str, bytes, bool, np.bool_)) or getattr(value, "ndim", 0):  # which float() would read
+        raise TypeError(f"{call}: {name} must be a number, not {value!r:.60}")
     try:
         number = float(value)
     except (TypeError, ValueError):

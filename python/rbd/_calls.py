@@ -169,13 +169,13 @@ class _Bound:
         """An argument that is a number."""
         call = self.call.name
         return (_number(call, name, value) if name in _SCALARS else
-                _axes(call, value) if name == "axes" else self.owner._body(value, call, name == "reference"))
+                _axes(call, value) if name == "axes" else self.owner._body(value, call, name, name == "reference"))
 
     def _wanted(self, place, value):
         """Whether this value of a parameter asks for the results that it decides on."""
-        if value is True or value is None or place not in self.call.keywords:
+        if place not in self.call.keywords:
             return value is not None
-        return _flag(self.call.name, self.call.keywords[place], value)
+        return value is True or _flag(self.call.name, self.call.keywords[place], value)
 
     def _results(self, arguments):
         """The results in memory of their own; None for those not wanted."""

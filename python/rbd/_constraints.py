@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 def _pairs(model, rows, kind, call, name="rows"):
     """Constraints or contacts as a list, and as an array of the C struct."""
-    word = kind.__name__.lower()
+    word, held = kind.__name__.lower(), "held " if name == "held" else ""
     rows = _entries(call, name, rows, kind)
     array = (structure(f"rbd_{word}") * len(rows))()
     for number, row in enumerate(rows):
-        _instance(call, f"{word} {number}", row, kind)
-        where = f"{call}: {_numbered(word, number, row)}"
-        bodies = {side: model._body(getattr(row, side), f"{where}, field '{side}'", world=True)
+        _instance(call, f"{held}{word} {number}", row, kind)
+        where = f"{call}: {held}{_numbered(word, number, row)}"
+        bodies = {side: model._body(getattr(row, side), f"{where}, field '{side}'", None, world=True)
                   for side in ("body1", "body2")}
         _to_c(replace(row, **bodies), array[number], where)
     return copy.deepcopy(rows), array  # the caller may change his, and copies are made of these

@@ -7,14 +7,14 @@ import difflib
 import operator
 import os
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
 
-from ._arguments import _Declared, _array, _int, _numbered, _utf8
+from ._arguments import _Declared, _array, _flag, _int, _numbered, _utf8
 from ._compiling import _c_compiler, _compile
-from ._headers import JointType, Matrix, Numbers, structure
+from ._headers import JointType, Matrix, Numbers, _enumerator, structure
 from ._plain_table import _plain_rows
 
 
@@ -92,7 +92,7 @@ class ContactOptions(_Declared):
     """rbd_contact_options of rbd_contact.h; 0 is the default in brackets."""
     margin: float = 0.0         #: closer contacts are rows, m [0.005]
     slop: float = 0.0           #: penetration that is left, m [1e-5]
-    correction: float = 0.0     #: share of the rest that a step takes back [0.2]
+    correction: float = 0.0     #: share of the rest that a step takes back, up to 1 [0.2]
     bounce: float = 0.0         #: slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt
     tolerance: float = 0.0      #: of the residual, m/s [1e-6, float 1e-5]
     iterations: int = 0         #: at most [40]
@@ -112,10 +112,14 @@ _BODIES = ("parent", "body1", "body2")
 
 def _to_c(values, row, where):
     """Writes a Body, Constraint, Contact or ContactOptions into a C struct."""
+    types = {field.name: field.type for field in fields(values)}
     for member, kind in row._fields_:
         value = getattr(values, member)
         if issubclass(kind, ctypes.Array):
             array = _array(f"{where}, field '{member}'", "it", value)
+        if member == "type":
+            row.type = _enumerator(where, JointType, value, "joint type", ("JOINT_TYPES",))
+            continue
         try:
             if kind is ctypes.c_char_p:
                 value = _utf8(value) if value is not None else None
@@ -132,18 +136,16 @@ def _to_c(values, row, where):
                         raise ValueError("must be whole numbers")
                     numbers = [_int(int(x)) for x in numbers]
                 value = kind(*numbers)
-            elif member == "type":
-                value = JointType[value.upper()] if isinstance(value, str) else JointType(value)
+            elif kind is ctypes.c_int and types.get(member, "bool") == "bool":  # on_body is no field
+                value = _flag(where, f"field '{member}'", value)
             elif kind is ctypes.c_int:
-                if not hasattr(value, "__index__"):
+                if isinstance(value, (bool, np.bool_)) or not hasattr(value, "__index__"):
                     raise TypeError("must be " + ("an index or a name" if member in _BODIES else
-                                                  "a whole number") + f", not {value!r}")
+                                                  "a whole number") + f", not {value!r:.60}")
                 value = _int(operator.index(value))
+            elif isinstance(value, (bool, np.bool_)) or getattr(value, "ndim", 0):
+                raise TypeError(f"must be a number, not {value!r:.60}")
             setattr(row, member, value)
-        except KeyError:
-            names = ", ".join(kind.name.lower() for kind in JointType if kind.name != "JOINT_TYPES")
-            raise ValueError(f"{where}, field 'type': unknown joint type {value!r}; there are: "
-                             f"{names}") from None
         except OverflowError:  # a whole number of Python has no limit
             raise ValueError(f"{where}, field '{member}': is too large for a float") from None
         except (TypeError, ValueError, AttributeError) as error:

@@ -96,6 +96,16 @@ def structure(name, real=ctypes.c_double, text=_TEXT):
     return type(name, (ctypes.Structure,), {"_fields_": members})
 
 
+def _enumerator(where, kind, value, what="kind", but=()):
+    """A value of an enum of C, from its name or itself: a number would be a slip."""
+    if isinstance(value, kind):
+        return value
+    if isinstance(value, str) and value.upper() in kind.__members__ and value.upper() not in but:
+        return kind[value.upper()]
+    names = ", ".join(one.name.lower() for one in kind if one.name not in but)
+    raise ValueError(f"{where}, field '{what.split()[-1]}': unknown {what} {value!r:.60}; there are: {names}")
+
+
 class RbdError(Exception):
     """An error of the library.
 

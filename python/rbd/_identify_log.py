@@ -111,6 +111,9 @@ def check_joints(option, names, joints):
 def pieces_of(path, columns, lines, dt):
     """The sample time, and the pieces between gaps: by a column `time`, or as given."""
     if dt is not None:
+        logged = float(np.median(np.diff(columns["time"]))) if "time" in columns else dt
+        if not abs(logged - dt) <= dt / 5:
+            raise IdentifyError(f"{path}: --dt is {dt:g} s, but column 'time' has steps of {logged:g} s: leave out one of them")
         return dt, [slice(0, len(lines))]
     if "time" not in columns:
         raise IdentifyError(f"{path}: no column 'time': give --dt, the sample time in seconds")

@@ -139,6 +139,9 @@ def pairs_of(option, words, unit, bare=False):
     out = {}
     for word in words:
         joint, equals, value = word.rpartition("=")
+        joint = joint if equals else word
+        if joint in out:
+            raise IdentifyError(f"{option} '{word}': joint '{joint}' stands twice")
         if bare and not equals:
             out[word] = None
             continue
@@ -162,8 +165,20 @@ def above_zero(text):
     return number
 
 
+class Once(argparse.Action):
+    """Of an option that stands twice the first one would be lost."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        given = namespace.__dict__.setdefault("_given", set())
+        if self.dest in given:
+            parser.error(f"argument {option_string}: it stands twice")
+        given.add(self.dest)
+        setattr(namespace, self.dest, values)
+
+
 def parse(arguments):
-    parser = argparse.ArgumentParser(prog="rbd-identify", description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(prog="rbd-identify", description=__doc__.split("\n")[0], allow_abbrev=False)
+    parser.register("action", None, Once)
     parser.add_argument("urdf", help="the robot, as it is described")
     parser.add_argument("log", help="CSV: time, and of each joint q:NAME, tau:NAME or current:NAME, perhaps v:NAME")
     parser.add_argument("--validate", metavar="CSV", help="another log that judges; default: the last fifth of the log")

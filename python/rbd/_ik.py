@@ -6,8 +6,8 @@ import ctypes
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ._arguments import _array, _Declared, _int, _list, _mask, _number, _numbers, _whole
-from ._headers import Array, IkKind, IkStatus, Matrix, Numbers, RbdError, Status, structure
+from ._arguments import _array, _Declared, _int, _left_out, _list, _mask, _number, _numbers, _placed, _whole
+from ._headers import Array, IkKind, IkStatus, Matrix, Numbers, RbdError, Status, _enumerator, structure
 
 
 @dataclass
@@ -39,18 +39,17 @@ class IkResult(NamedTuple):
 def _target(model, number, given, row):
     """Writes an IkTarget into a C struct."""
     where = f"ik: target {number}"
-    try:
-        row.kind = IkKind[given.kind.upper()] if isinstance(given.kind, str) else IkKind(given.kind)
-    except (KeyError, ValueError):
-        names = ", ".join(kind.name.lower() for kind in IkKind)
-        raise ValueError(f"{where}, field 'kind': unknown kind {given.kind!r}; there are: {names}") from None
-    row.body = 0 if row.kind == IkKind.COM else model._body(given.body, f"{where}, field 'body'")
+    row.kind = _enumerator(where, IkKind, given.kind)
+    if row.kind == IkKind.COM:
+        _left_out(where, given, "body", 0)
+    else:
+        row.body = model._body(given.body, f"{where}, field 'body'", None)
     for field in "point", "position", "axis", "direction", "rotation":
         shape = (9,) if field == "rotation" else (3,)
         value = getattr(given, field)
         if field == "rotation":
             value = _array(where, field, value).reshape(-1)
-        getattr(row, field)[:] = _numbers(where, field, value, shape, model.library.dtype)
+        getattr(row, field)[:] = _placed(where, IkKind(row.kind), field, _numbers(where, field, value, shape, model.library.dtype))
     row.weight = _number(where, "weight", given.weight)
 
 

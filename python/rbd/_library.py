@@ -172,6 +172,12 @@ class Library(_Declared):
         friction = _numbers(name, "friction", friction, (None,), dtype)
         lower = _numbers(name, "lower", lower, (None,), dtype)
         upper = _numbers(name, "upper", upper, lower.shape, dtype)
+        tolerance, iterations = _number(name, "tolerance", tolerance), _whole(name, "iterations", iterations)
+        for what, bad in (("friction", friction < 0), ("lower", lower > upper), ("tolerance", tolerance < 0),
+                          ("iterations", iterations < 0)):
+            if np.any(bad):
+                at = f"[{int(np.argmax(bad))}]" if np.ndim(bad) else ""
+                raise RbdError(Status.ERR_RANGE, f"{name}: {what}{at} is " + ("above upper" if what == "lower" else "negative"))
         n, bounded = len(friction), len(lower)
         rows = 3 * n + bounded
         arrays = {"delta": _numbers(name, "delta", delta, (rows, rows), dtype), "friction": friction,
@@ -179,8 +185,7 @@ class Library(_Declared):
         p = np.zeros(rows, dtype) if start is None else _numbers(name, "start", start, (rows,), dtype).copy()
         state = (ctypes.c_int * max(n, 1))()
         problem = structure("rbd_contact_problem", self.scalar)(
-            contacts=n, bounded=bounded, tolerance=_number(name, "tolerance", tolerance),
-            iterations=_int(_whole(name, "iterations", iterations)),
+            contacts=n, bounded=bounded, tolerance=tolerance, iterations=_int(iterations),
             **{key: array.ctypes.data for key, array in arrays.items()})
         size = self.call("contact_solve_size", n, bounded, result=ctypes.c_size_t)
         solution = structure("rbd_contact_solution", self.scalar)()

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._actuator import Actuators, Motor, Rotor, Transmission, _rotor_torque
-from ._arguments import _flag, _number, _numbers
+from ._arguments import _flag, _is_list, _number, _numbers
 from ._calls import _state
 from ._constraints import ConstraintSet
 from ._contacts import ContactSet
@@ -65,7 +65,7 @@ class Model(Derivatives, Kinematics, Names):
         if urdf:
             gravity = urdf.gravity if gravity is None else gravity
             bodies = urdf.bodies
-        if isinstance(bodies, (str, bytes, os.PathLike, Body)) or not hasattr(bodies, "__iter__"):
+        if isinstance(bodies, (os.PathLike, Body)) or not _is_list(bodies):
             file = isinstance(bodies, (str, os.PathLike))
             raise TypeError("Model: bodies must be a list of Body, or the result of load_urdf, not "
                             f"{type(bodies).__name__}" + "; Model.from_urdf takes the name of a file" * file)
@@ -153,17 +153,18 @@ class Model(Derivatives, Kinematics, Names):
     def _layout(self):
         return self._batch_layout
 
-    def _body(self, body, call, world=False):
-        """The index of a body, from its name too. world: whether -1, the world, may be meant."""
+    def _body(self, body, call, name="body", world=False):
+        """The index of a body, from its name too. name: of the argument, None where `call` has it; world: whether -1, the
+        world, may be meant."""
+        where = call if name in (None, "body") else f"{call}: {name}"
         if isinstance(body, str):
-            return self._index(call, "body_index", body)
-        try:
-            index = operator.index(body)
-        except TypeError:
-            raise TypeError(f"{call}: a body is an index or a name, not {body!r}") from None
+            return self._index(where, "body_index", body)
+        if isinstance(body, (bool, np.bool_)) or not hasattr(body, "__index__"):
+            raise TypeError(f"{where if name is None else f'{call}: {name}'} must be an index or a name, not {body!r:.60}")
+        index = operator.index(body)
         if not -world <= index < self.nb:
             last = f"the model has 0 to {self.nb - 1}" + ", and -1 for the world" * world
-            raise RbdError(Status.ERR_INDEX, f"{call}: no such body: {index}; {last}")
+            raise RbdError(Status.ERR_INDEX, f"{where}: no such body: {index}; {last}")
         return index
 
     def copy(self) -> Model:
@@ -232,11 +233,14 @@ class Model(Derivatives, Kinematics, Names):
             joints    names of joints, or the bodies that they carry: indices, or names of links
             q         nq, of this model
         """
-        joints = [joints] if isinstance(joints, str) or not hasattr(joints, "__iter__") else joints
+        if isinstance(joints, (bytes, dict)):
+            raise TypeError(f"lock_joints: joints must be names or indices, not {type(joints).__name__}; where they are held "
+                            "is said by q")
+        joints = [joints] if not _is_list(joints) else joints
         q = _numbers("lock_joints", "q", q, (self.nq,))
         locked = np.zeros(self.nb, np.uint8)
         for joint in joints:
-            locked[self._joint_body(joint, "lock_joints")] = 1
+            locked[self._joint_body(joint, "lock_joints", "joints")] = 1
         rows, held = _rows(self.bodies), (structure("rbd_body") * self.nb)()
         report = structure("rbd_report", self.library.scalar)()
         status = self.library.call("lock_joints", rows, self.nb, locked, q, held, report)
@@ -267,7 +271,7 @@ class Model(Derivatives, Kinematics, Names):
         """The Constraint of a function of C: names and indices are bodies, all else points and axes."""
         names = list(inspect.signature(getattr(Model, function)).parameters)[1:]
         row = self.library.call(function, *(
-            self._body(x, function, world=True) if name.startswith("body") else
+            self._body(x, function, name, world=True) if name.startswith("body") else
             None if x is None and name == "place" else _numbers(function, name, x, (3,))
             for name, x in zip(names, arguments)),
             result=structure("rbd_constraint"))

@@ -107,10 +107,10 @@ class Names(_Owner):
                 names[getattr(joint, first) + k] = name if n == 1 else f"{name}[{k}]"
         return names
 
-    def _joint_body(self, joint, call):
+    def _joint_body(self, joint, call, name="joint"):
         """The body that a joint carries: of its name or, if none has it, of that of the link, or of the index."""
         try:
-            body = self._body(joint, call)
+            body = self._body(joint, call, name)
         except KeyError:
             body = -1
         if isinstance(joint, str) and (body < 0 or joint in self.joint_names):

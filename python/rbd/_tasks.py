@@ -9,8 +9,9 @@ from typing import Iterable, NamedTuple, Sequence, TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _array, _Declared, _flag, _int, _is_list, _list, _mask, _model, _number, _numbers, _whole
-from ._headers import Array, Matrix, Numbers, RbdError, Status, TaskKind, TasksStatus, structure
+from ._arguments import (_array, _Declared, _flag, _int, _is_list, _left_out, _list, _mask, _model,
+                         _number, _numbers, _placed, _whole)
+from ._headers import Array, Matrix, Numbers, RbdError, Status, TaskKind, TasksStatus, _enumerator, structure
 
 if TYPE_CHECKING:
     from ._model import Model
@@ -226,29 +227,35 @@ class Tasks(_Declared):
     def _put_task(self, number, given, row, kept):
         """Writes a Task into a C struct."""
         where, dtype = f"Tasks: task {number}", self.model.library.dtype
-        try:
-            row.kind = TaskKind[given.kind.upper()]
-        except (KeyError, AttributeError):
-            names = ", ".join(kind.name.lower() for kind in TaskKind)
-            raise ValueError(f"{where}, field 'kind': unknown kind {given.kind!r}; there are: {names}") from None
-        if row.kind not in (TaskKind.COM, TaskKind.MOMENTUM, TaskKind.POSTURE, TaskKind.ROWS):
-            row.body = self.model._body(given.body, f"{where}, field 'body'")
-        row.reference = -1
-        if row.kind == TaskKind.RELATIVE:
-            row.reference = self.model._body(given.reference, f"{where}, field 'reference'", world=True)
+        kind = row.kind = _enumerator(where, TaskKind, given.kind)
+        if row.kind in (TaskKind.COM, TaskKind.MOMENTUM, TaskKind.POSTURE, TaskKind.ROWS):
+            _left_out(where, given, "body", 0)
+        else:
+            row.body = self.model._body(given.body, f"{where}, field 'body'", None)
+        if row.kind != TaskKind.RELATIVE:
+            _left_out(where, given, "reference", -1)
+            row.reference = -1
+        else:
+            row.reference = self.model._body(given.reference, f"{where}, field 'reference'", None, world=True)
         row.level = _int(_whole(where, "level", given.level))
         for field in "weight", "gain", "damping":
             setattr(row, field, _number(where, field, getattr(given, field)))
         for field in "point", "position", "axis", "direction", "velocity", "acceleration":
             length = 6 if field in ("velocity", "acceleration") else 3
-            getattr(row, field)[:] = _numbers(where, field, getattr(given, field), (length,), dtype)
-        row.rotation[:] = _numbers(where, "rotation", _array(where, "rotation", given.rotation).reshape(-1), (9,), dtype)
-        row.loose[:] = [int(x) for x in _numbers(where, "loose", given.loose, (6,)) != 0]
-        if row.kind == TaskKind.POSTURE:
-            for field in "q", "v", "a", "weights":
-                length = self.model.nq if field == "q" else self.model.nv
-                setattr(row, field, self._keep(where, field, getattr(given, field), (length,), kept))
-        if row.kind == TaskKind.ROWS:
+            numbers = _numbers(where, field, getattr(given, field), (length,), dtype)
+            getattr(row, field)[:] = _placed(where, kind, field, numbers)
+        turn = _numbers(where, "rotation", _array(where, "rotation", given.rotation).reshape(-1), (9,), dtype)
+        row.rotation[:] = _placed(where, kind, "rotation", turn)
+        row.loose[:] = _mask(where, "loose", given.loose, 6, "row").tolist()
+        for field in "q", "v", "a", "weights":
+            if row.kind != TaskKind.POSTURE:
+                _left_out(where, given, field, None)
+            length = self.model.nq if field == "q" else self.model.nv
+            setattr(row, field, self._keep(where, field, getattr(given, field), (length,), kept))
+        if row.kind != TaskKind.ROWS:
+            _left_out(where, given, "jacobian", None)
+            _left_out(where, given, "y", None)
+        else:
             row.jacobian = self._keep(where, "jacobian", given.jacobian, (None, self.model.nv), kept)
             if given.jacobian is None and given.y is not None:
                 raise TypeError(f"{where}, field 'jacobian': missing")
@@ -258,7 +265,7 @@ class Tasks(_Declared):
     def _put_contact(self, number, given, row):
         """Writes a TaskContact into a C struct."""
         where = f"Tasks: contact {number}"
-        row.body = self.model._body(given.body, f"{where}, field 'body'")
+        row.body = self.model._body(given.body, f"{where}, field 'body'", None)
         row.open = _flag(where, "open", given.open)
         row.sides = _int(_whole(where, "sides", given.sides))
         for field in "point", "normal":

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 
 import rbd
-from rbd._compiling import _compile
+from rbd._compiling import _c_compiler, _compile
 from rbd._descriptions import _from_c
 from rbd._headers import _TEXT
 
@@ -72,7 +72,7 @@ def _library():
             data = Path(folder, f"{name}_models.h").read_text()
             source = (TESTS / f"{name}.c").read_text()
             units.append(source.replace(f'#include "{name}_models.h"', data))
-    return _compile(units, ["cc", "-O0", f"-I{TESTS}"])
+    return _compile(units, [*_c_compiler(), "-O0", f"-I{TESTS}"])
 
 
 def _all(struct, count, get):

@@ -94,7 +94,7 @@ def test_a_simulated_log_gives_its_truth(robots, tmp_path, capsys):
 def test_currents_and_a_part_as_judge(robots, tmp_path):
     _, truth = robots
     names = truth.dof_names
-    log = write_log(tmp_path / "log.csv", truth, 1, header=[
+    log = write_log(tmp_path / "log.csv", truth, 1, n=2000, header=[
         "time", *(f"q:{x}" for x in names), f"current:{names[0]}", *(f"tau:{x}" for x in names[1:])])
     with pytest.raises(tool.IdentifyError, match=f"'{names[0]}' has currents: give --constant"):
         tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path)]))
@@ -111,14 +111,14 @@ def test_a_log_without_excitation_names_what_it_lacks(robots, tmp_path):
             return np.where(mask, q, 0.3), v * mask, a * mask
         return move
 
-    log = write_log(tmp_path / "log.csv", truth, 1, move=only(3))
+    log = write_log(tmp_path / "log.csv", truth, 1, n=2000, move=only(3))
     with pytest.raises(tool.IdentifyError, match="log.csv: joint '.*' moves faster than 0.02 rad/s in 0 samples only"):
         tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path)]), str)
 
     def together(q, v, a):  # one joint after the other has the same motion: only some sums are told
         return q[:, :1] * np.ones(7) * 0.01, v[:, :1] * np.ones(7) * 0.01, a[:, :1] * np.ones(7) * 0.01
 
-    log = write_log(tmp_path / "log.csv", truth, 1, move=together)
+    log = write_log(tmp_path / "log.csv", truth, 1, n=2000, move=together)
     said = []
     found = tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path), "--slow", "0.0001"]), said.append)
     assert found.unknown and any("not enough excitation" in line and found.unknown[0] in line for line in said)
@@ -319,6 +319,10 @@ def test_a_part_of_the_joints_may_have_velocities(robots, tmp_path):
 
 def test_a_log_that_is_too_quick_is_refused(robots, tmp_path):
     path = write_log(tmp_path / "log.csv", robots[1], 1, n=200)
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([cell for name, cell in zip(rows[0], row) if name != "time"] for row in rows)
     with pytest.raises(tool.IdentifyError, match=r"log.csv: column 'q:.*_1' changes by .* in half of the log, but the joint's "
                                                  r"limit is .*: is it in degrees or mm, or the time in another unit\?"):
         tool.read_log(path, robots[0], tool.Reading(dt=DT / 50, window=0.1 / 50))
@@ -342,6 +346,33 @@ def test_a_picture_takes_any_name(tmp_path):
     tool.write_picture(path, ["left & <right>"], *np.random.default_rng(0).normal(size=(3, 50, 1)))
     texts = [text.text for text in ElementTree.parse(path).getroot().iter("{http://www.w3.org/2000/svg}text")]
     assert "left & <right>" in texts
+
+
+@pytest.mark.parametrize("words, message", [
+    (["--dt", "0.01", "--dt", "0.02"], "argument --dt: it stands twice"), (["--dt=1", "--dt", "1"], "argument --dt: it stands twice"),
+    (["--wind", "1"], "unrecognized arguments: --wind 1"), (["--out", "a", "--out", "b"], "argument --out: it stands twice")])
+def test_options_that_stand_twice_are_refused(words, message, capsys):
+    with pytest.raises(SystemExit):
+        tool.parse(["a.urdf", "a.csv", *words])
+    assert message in capsys.readouterr().err
+    assert tool.parse(["a.urdf", "a.csv", "--dt", "1", "--constant", "a=1", "--constant", "b=1"]).constant == ["a=1", "b=1"]
+
+
+def test_joints_that_stand_twice_are_refused():
+    for option, words in (("--constant", ["a=1", "b=2", "a=2"]), ("--without", ["a", "a=1"])):
+        with pytest.raises(tool.IdentifyError, match=f"{option} '{words[-1]}': joint 'a' stands twice"):
+            tool.pairs_of(option, words, "rad", bare=option == "--without")
+
+
+def test_another_sample_time_than_logged_is_refused(robots, tmp_path):
+    model, path = robots[0], tmp_path / "log.csv"
+    q = motion(50, 1)[0]
+    rows = [["time", *(f"{kind}:{joint}" for kind in ("q", "tau") for joint in model.dof_names)]]
+    rows += [[DT * k, *q[k], *np.zeros(7)] for k in range(50)]
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows(rows)
+    with pytest.raises(tool.IdentifyError, match="--dt is 5 s, but column 'time' has steps of 0.005 s: leave out one"):
+        tool.read_log(path, model, tool.Reading(dt=1000 * DT))
 
 
 @pytest.mark.parametrize("words", [["--window", "0"], ["--window", "nan"], ["--dt", "0"], ["--dt", "x"], ["--slow", "-1"]])

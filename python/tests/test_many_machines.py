@@ -73,6 +73,7 @@ def started(*command):
         process.wait()
 
 
+@pytest.mark.skipif(not os.environ.get("RBD_ALL_TESTS"), reason="but by ./run test --all")
 def test_many_machines_distributed(tmp_path):
     """A scheduler and two workers, one of which is killed in the midst: some seconds of a processor."""
     distributed = pytest.importorskip("distributed")

@@ -133,7 +133,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
    missing. The caller must check lambda: a foot may be asked to pull.
    a          nv, wanted, with J a + gamma = 0: for example the result of rbd_constrained_fd with another set,
               in which rows with gains describe the task, too
-   actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
+   actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints
    weight     rows, 0 (lambda costs nothing) or 1e-20 to 1e30; NULL: 1
    Errors: also RBD_ERR_RANGE, a weight out of its range. Mistry, Buchli and Schaal (2010). */
 RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,

@@ -55,9 +55,9 @@ RBDI_API size_t rbd_contact_solve_size(int contacts, int bounded);
    p          rows: where to begin (0, or the solution before), then the solution, N s
    state      contacts: what each does; may be NULL
    solution   may be NULL
-   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0, or 46,000 rows and more: their
-   matrix has no int for an index; _RANGE, a friction, tolerance or number of
-   iterations below 0, or a lower bound above the upper one; _NAN, an entry of b or p is not finite: p = 0. */
+   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0, or 46,000 rows and more: their matrix has no int
+   for an index; _RANGE, a friction, tolerance or number of iterations below 0, or a lower bound above the
+   upper one; _NAN, an entry of delta, b or p is not finite: p = 0. */
 RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *memory, size_t size,
                                       rbd_real *p, rbd_contact_state *state, rbd_contact_solution *solution);
 
@@ -84,7 +84,7 @@ typedef struct rbd_contact {
 typedef struct rbd_contact_options {
     double margin; /* closer contacts are rows, m [0.005]; others where they may arrive within two steps */
     double slop;   /* penetration that is left, m [1e-5] */
-    double correction;  /* share of the rest that a step corrects [0.2] */
+    double correction;  /* share of the rest that a step corrects, up to 1 [0.2] */
     double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
     double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
     int iterations;     /* of each solution at most [40]; a step has two, or three where something rebounds */

@@ -59,8 +59,9 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
                                     const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 
 /* Hybrid dynamics, M a + c = tau + sum J' f_ext: of each degree of freedom either the acceleration or the
-   torque is given, and the other computed. By the mass matrix, RBDA section 9.1; a joint's dofs may differ.
-   If only a floating base's torque is given, rbd_id_free_base of rbd_derivatives.h is faster.
+   torque is given, and the other computed. By the mass matrix, RBDA section 9.1. Of the dofs of one joint
+   some may have a given, the others tau. If only a floating base's torque is given, rbd_id_free_base of
+   rbd_derivatives.h is faster.
    given   nv flags: not 0 where a is given, 0 where tau is
    a, tau  in: what is given; out: all. Not the same array.
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */

@@ -68,7 +68,7 @@ typedef struct rbd_ik_result {
 /* Finds joint positions q within all limits for which all targets are reached; if there are none that it
    finds, those that minimise the sum of weight (metres^2 + length^2 radians^2), at least locally.
    w         what rbd_kinematics left there is replaced: call it anew before calls that read it
-   targets   n of them, n at least 1; those of one body may stand together, such as a point and an axis
+   targets   n of them, n at least 1; a body may have several, such as a point and an axis
    options   NULL: all defaults
    memory    size bytes of any alignment, scratch: RBD_IK_SIZE
    q         nq: where to begin, such as where the robot is; then the answer. Joints that move no target, and
@@ -79,8 +79,8 @@ typedef struct rbd_ik_result {
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
    below 1 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
    of a robot without mass; _MASSLESS, that of a robot some of whose joints move none; _RANGE, a weight, an
-   option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each start
-   overflow. */
+   option or q; _INFEASIBLE, some dofs of a joint are held, not all; _NAN, q is not finite, or the errors at
+   each start overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);

@@ -8,7 +8,7 @@
 /* Sets the n scalars of x to 0, a batch at a time. A call of memset would take longer. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
 #if RBDI_BATCH > 1 || defined RBD_LANES
-    const rbdi_batch zero = rbdi_zero_batch();
+    const rbdi_batch zero = rbdi_all_lanes(rbdi_zero());
 
     for (rbdi_batch *p; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
         RBDI_ONE_INDEX(x); /* without it the compiler calls memset all the same */

@@ -34,8 +34,6 @@ RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
 #endif
 }
 
-RBDI_INLINE rbdi_batch rbdi_zero_batch(void) { return rbdi_all_lanes(rbdi_zero()); }
-
 #if RBDI_BATCH > 1
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 
@@ -81,7 +79,7 @@ RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) {
 RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum sum) { return sum; }
 #else
 typedef rbdi_batch rbdi_sum;
-RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_zero_batch(); }
+RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_all_lanes(rbdi_zero()); }
 RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) { return sum + x; }
 RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
     rbd_real sum = x[0];

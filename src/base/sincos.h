@@ -20,15 +20,12 @@ RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) {
     u.bits = bits;
     return u.x;
 }
-
-RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < limit); }
 #else
 #if RBDI_BATCH == 1 /* lanes */
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 #endif
 RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) { return (rbdi_bits)x; }
 RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) { return (rbdi_batch)bits; }
-RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi_bits)(x < limit); }
 #endif
 
 /* Sine and cosine of x + quarters pi/2, |x| <= RBDI_SINCOS_LIMIT, without a branch. x = n pi/2 + r, n from
@@ -107,25 +104,27 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
 RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int first, int end, rbd_real *s,
                                  rbd_real *c) {
     const int size = (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-    int start = first / RBDI_BATCH * RBDI_BATCH; /* aligned */
-    rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
-    rbdi_bit any = 0;
+    int start = first / RBDI_BATCH * RBDI_BATCH;                                     /* aligned */
+    rbdi_bits within = (rbdi_bits)(rbdi_all_lanes(rbdi_zero()) < RBDI_SINCOS_LIMIT); /* all are */
+    rbdi_bit all;
 
     if (start + size < end) start = end - size;
     for (int i = start; i < end; i += RBDI_BATCH) {
         const rbdi_batch angle = *(const rbdi_batch *)&x[i];
-        beyond |= rbdi_beyond(angle * angle, RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
+        within &= (rbdi_bits)(angle * angle < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
         rbdi_sincos_batch(angle, *(const rbdi_batch *)&quarters[i], (rbdi_batch *)&s[i], (rbdi_batch *)&c[i]);
     }
 
-    /* large angles anew, one by one */
 #ifdef RBDI_BATCH_SCALAR
-    any = beyond;
+    all = within;
 #else
-    for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
+    all = within[0];
+    for (int i = 1; i < (int)(sizeof within / sizeof all); ++i) all &= within[i];
 #endif
+    if (all) return;
 
-    for (int i = first; any && i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
+    /* with a large angle, or one that is no number, all anew, one by one */
+    for (int i = first; i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif
 

@@ -73,7 +73,7 @@ RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, in
     /* K -= U/D Y */
     K[0] = K[0] - y * own->U_D.n.x;
     K[1] = K[1] - y * own->U_D.n.y;
-    K[2] = rbdi_zero_batch(); /* U_z/D = 1 */
+    K[2] = rbdi_all_lanes(rbdi_zero()); /* U_z/D = 1 */
     if (flags & (RBDI_SLIDES | RBDI_ARMATURE)) K[2] = z - y * own->U_D.n.z;
     K[3] = K[3] - y * own->U_D.f.x;
     K[4] = K[4] - y * own->U_D.f.y;
@@ -111,7 +111,7 @@ RBDI_LOCAL rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work 
 
     if (rbdi_free_base(l, b)) {
         rbdi_rows_dofs(bw, 0, 6, 1, &rows, Y, stride);
-        for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
+        for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_all_lanes(rbdi_zero());
     } else {
         rbd_real zeta[6];
         rbdi_store_motion(zeta, 1, w->scratch[i].c);
@@ -150,7 +150,7 @@ RBDI_LOCAL void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, co
     rbd_real *Y = c->Y + con->row + r;
     rbdi_row_wrenches rows, one;
     rbdi_batch world;
-    for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
+    for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_all_lanes(rbdi_zero());
     rows.b = rows.target = *(const rbdi_batch *)&c->target[con->row + r];
 
     /* from both links to their common ancestor, and on */

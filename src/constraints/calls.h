@@ -49,7 +49,8 @@ RBDI_LOCAL void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *co
                                 const rbd_real *restitution) {
     for (int r = con->row; r < con->row + con->rows; r += RBDI_BATCH) {
         const rbdi_batch v = *(const rbdi_batch *)&c->velocity[r];
-        rbdi_batch target = rbdi_zero_batch() - (restitution ? v : *(const rbdi_batch *)&c->gamma[r]);
+        rbdi_batch target =
+            rbdi_all_lanes(rbdi_zero()) - (restitution ? v : *(const rbdi_batch *)&c->gamma[r]);
 
         if (restitution) target = target - v * *restitution;
         if (!restitution && con->kd > 0) target = target - v * con->kd;

@@ -58,7 +58,9 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof
     rbd_real *R = c->R + i * stride;
     for (int j = i; j <= c->rows; j += 2 * RBDI_BATCH) {
         rbdi_batches sum[6];
-        RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { sum[r].first = sum[r].second = rbdi_zero_batch(); }
+        RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
+            sum[r].first = sum[r].second = rbdi_all_lanes(rbdi_zero());
+        }
 
         while (dofs > 0 && c->span[dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
         for (int t = 0; t < dofs; ++t) {

@@ -113,7 +113,7 @@ typedef struct rbdi_axes_held {
 } rbdi_axes_held;
 
 RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint *con, rbdi_axes_held *h) {
-    const rbdi_batch zero = rbdi_zero_batch();
+    const rbdi_batch zero = rbdi_all_lanes(rbdi_zero());
     for (int r = 0; r < con->rows; r += RBDI_BATCH)
         for (int i = con->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->axis[i][r] = zero;
 

@@ -59,7 +59,7 @@ RBDI_LOCAL void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int colum
 /* c->square of the rows from t on: of column j of Z, after t reflections, the sum of Z_kj^2 from k = t on. */
 RBDI_LOCAL void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
-        rbdi_batch sum = rbdi_zero_batch();
+        rbdi_batch sum = rbdi_all_lanes(rbdi_zero());
 
         for (int k = t; k < nv; ++k) {
             const rbdi_batch z = *(const rbdi_batch *)&c->R[k * c->stride + j];
@@ -103,7 +103,7 @@ RBDI_LOCAL void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     h[t] = head - R;
 
     for (int j = t + 1; j < c->rows; j += RBDI_BATCH) {
-        rbdi_batch sum = rbdi_zero_batch();
+        rbdi_batch sum = rbdi_all_lanes(rbdi_zero());
         for (int k = t; k < nv; ++k) sum = sum + *(const rbdi_batch *)&Z[k * stride + j] * h[k];
 
         sum = sum * scale;

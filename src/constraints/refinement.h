@@ -150,7 +150,7 @@ RBDI_LOCAL int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask 
 /* Lengths of the rows of J L^-1: the root of the sum of Y_kr^2. */
 RBDI_LOCAL void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rbd_real *length) {
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
-        rbdi_batch sum = rbdi_zero_batch();
+        rbdi_batch sum = rbdi_all_lanes(rbdi_zero());
 
         for (int k = 0; k < m->nv; ++k) {
             const rbdi_batch y = *(const rbdi_batch *)&c->Y[k * c->stride + r];

@@ -43,10 +43,9 @@ RBDI_LOCAL rbd_const rbdi_inverse_weight(const rbd_const *weight, int k, rbd_con
     return weight ? RBD_C(1) / (weight[k] > 0 ? weight[k] : free) : RBD_C(1);
 }
 
-/* Whether dof k has no motor: its flag is 0 or, without flags, its joint is a floating one at a root. */
+/* Whether dof k has no motor: its flag is 0 or, without flags, its joint is a floating one. */
 RBDI_LOCAL int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
-    const rbdi_frame *u = &m->frame[m->dof[k].body];
-    return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
+    return actuated ? !actuated[k] : m->frame[m->dof[k].body].type == RBD_FLOATING;
 }
 
 RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,

@@ -85,6 +85,9 @@ RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_repor
     for (int j = 0; j < 7; ++j)
         if (!rbdi_finite_positive(&values[j], 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
+    if (o->correction > 1)
+        return rbdi_refuse_saying(report, RBD_ERR_RANGE, -1, NULL, "correction",
+                                  "above 1: a step would correct more than all, and shake");
     if (!o->momentum || !o->first_order) return RBD_OK;
 
     rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "momentum");

@@ -171,7 +171,8 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
     if (status) return status;
 
     s.rows = 3 * problem->contacts + problem->bounded;
-    if (!rbdi_all_finite(problem->b, s.rows) || !rbdi_all_finite(p, s.rows)) {
+    if (!rbdi_all_finite(problem->delta, s.rows * s.rows) || !rbdi_all_finite(problem->b, s.rows) ||
+        !rbdi_all_finite(p, s.rows)) {
         rbdi_clear(p, s.rows);
         return RBD_ERR_NAN;
     }

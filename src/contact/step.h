@@ -257,7 +257,7 @@ RBDI_LOCAL void rbdi_solve_apart(const rbd_model *m, rbd_contact_set *c, rbd_rea
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->half > 0 ? c->x[RBDI_X_CORRECTED_TWICE] : c->x[RBDI_X_UNCORRECTED], c->nu);
 
-    c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
+    c->jams = again && first.residual > RBDI_JAMS * asked;
     for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
 
     c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
@@ -327,7 +327,7 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
 
-    flies = !status && c->options.momentum && c->half > 0 && rbdi_any_flies(m, c);
+    flies = !status && c->options.momentum && rbdi_any_flies(m, c);
     if (flies) rbdi_wanted_momentum(m, c, q, v, tau, f_ext);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
     if (flies) rbdi_restore_momentum(m, c, q_next, v_next);

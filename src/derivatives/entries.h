@@ -117,7 +117,7 @@ RBDI_INLINE void rbdi_put_both(const rbdi_batch *y, const rbdi_batch *z, const r
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
     const rbd_real *own = (const rbd_real *)columns + e->at;
-    const rbdi_batch zero = rbdi_zero_batch();
+    const rbdi_batch zero = rbdi_all_lanes(rbdi_zero());
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
 
     /* batches with dofs on the path only */
@@ -152,7 +152,7 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
 
 /* 0 in n entries of a row, up to whole batches. */
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
-    const rbdi_batch zero = rbdi_zero_batch();
+    const rbdi_batch zero = rbdi_all_lanes(rbdi_zero());
 
     for (int k = 0; k < n; k += RBDI_BATCH) {
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {

@@ -55,49 +55,27 @@ RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rb
     return s;
 }
 
-/* Adds the rounding of a change of frame to three diagonal entries, from `first` on: a share of the largest
-   of them. */
-RBDI_COLD void rbdi_add_rounding(rbd_real K[6][6], int first) {
-    rbd_real most = rbdi_zero();
-    for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);
-    for (int j = first; j < first + 3; ++j) K[j][j] = K[j][j] + most * RBDI_TURN;
-}
-
-/* Pose of a link in its parent. Column j of E is the parent's axis j in the link's axes. */
-RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, int i) {
+/* K becomes X' (K + rounding) X. The rounding of a change of frame is a share of the largest moment, and of
+   the largest mass. X' takes a wrench to the parent's frame: first each column of K, then each row. */
+RBDI_COLD void rbdi_carry_up(const rbd_model *m, const rbd_work *w, int i, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
-    const int flags = rbdi_flags(l);
-    rbd_real column[3][3];
-    rbdi_trig t;
-    rbdi_pose X;
-    if (rbdi_is(l, RBDI_BLOCK)) return w->block[l->block].X;
 
-    t = rbdi_trig_of(m, w, i, flags);
-    for (int j = 0; j < 3; ++j) {
-        rbd_real axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
-        axis[j] = rbdi_set(RBD_C(1));
-        rbdi_store_vec(column[j], 1, rbdi_down(l, flags, t, rbdi_load_vec(axis, 1)));
+    for (int first = 0; first < 6; first += 3) {
+        rbd_real most = rbdi_zero();
+        for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);
+        for (int j = first; j < first + 3; ++j) K[j][j] = K[j][j] + most * RBDI_TURN;
     }
 
-    X.E.xx = column[0][0];
-    X.E.xy = column[1][0];
-    X.E.xz = column[2][0];
-    X.E.yx = column[0][1];
-    X.E.yy = column[1][1];
-    X.E.yz = column[2][1];
-    X.E.zx = column[0][2];
-    X.E.zy = column[1][2];
-    X.E.zz = column[2][2];
-    X.r = rbdi_add(rbdi_vec_c(l->r), rbdi_scale(t.d, rbdi_vec(X.E.zx, X.E.zy, X.E.zz)));
-    return X;
-}
-
-/* K becomes X' K X. X' takes a wrench to the parent's frame: first each column of K, then each row. */
-RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
     for (int j = 0; j < 12; ++j) {
         rbd_real *wrench = j < 6 ? &K[0][j] : K[j - 6];
         const int stride = j < 6 ? 6 : 1;
-        rbdi_store_force(wrench, stride, rbdi_force_up_block(X, rbdi_load_force(wrench, stride)));
+        rbdi_force F = rbdi_load_force(wrench, stride);
+
+        if (rbdi_is(l, RBDI_BLOCK))
+            F = rbdi_force_up_block(&w->block[l->block].X, F);
+        else
+            F = rbdi_force_up(l, rbdi_flags(l), rbdi_trig_of(m, w, i, rbdi_flags(l)), F);
+        rbdi_store_force(wrench, stride, F);
     }
 }
 
@@ -105,7 +83,6 @@ RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
 RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask doubt, rbd_real K[6][6]) {
     const rbdi_link *l = &m->link[i];
     rbd_real inertia[6], S[6], V[6];
-    rbdi_pose X;
 
     /* the inertias of the link's bodies */
     for (int b = 0; b < m->nb; ++b) {
@@ -125,13 +102,7 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
         rbdi_check_pivot(w, l->iv + k, e, doubt);
     }
 
-    if (l->parent < 0) return;
-
-    /* X' (K + rounding) X */
-    X = rbdi_pose_in_parent(m, w, i);
-    rbdi_add_rounding(K, 0);
-    rbdi_add_rounding(K, 3);
-    rbdi_carry_up(&X, K);
+    if (l->parent >= 0) rbdi_carry_up(m, w, i, K);
 }
 
 /* Checks the pivots of the last pass 2, leaves first. The sums of branch points' K stand where those of IA
@@ -163,14 +134,6 @@ RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doub
 
         rbdi_clear(K[0], 36);
     }
-}
-
-/* The status of rbd_aba. doubt: whether a pivot is in doubt; a: the results. */
-RBDI_INLINE rbd_status rbdi_aba_status(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *a) {
-    w->singular = -1;
-    if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_check_bodies(m, w, doubt);
-    return rbdi_pivot_status(m, w, a, m->nv);
 }
 
 #endif

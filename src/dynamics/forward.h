@@ -14,6 +14,8 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     const rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && a);
     if (status) return status;
 #ifndef RBD_NO_CHOLESKY
+    /* a joint and its mimic are one dof in two places of the tree, which no sweep can eliminate at one link
+       */
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
 
@@ -22,7 +24,11 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, rbdi_world_state(w->gravity).acc, a);
-    return rbdi_aba_status(m, w, doubt, a);
+
+    w->singular = -1;
+    if (!rbdi_any(doubt)) return RBD_OK;
+    rbdi_check_bodies(m, w, doubt);
+    return rbdi_pivot_status(m, w, a, m->nv);
 }
 
 #ifndef RBD_NO_CHOLESKY

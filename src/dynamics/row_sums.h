@@ -125,7 +125,7 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
     RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
         RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
             const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
-            sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+            sum[a][b] = which == RBDI_FRESH ? rbdi_all_lanes(rbdi_zero()) : *(const rbdi_batch *)from;
             if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
         }
     }

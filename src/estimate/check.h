@@ -1,5 +1,6 @@
 #ifndef RBDI_ESTIMATE_CHECK_H
 #define RBDI_ESTIMATE_CHECK_H
+#include "base/scalar.h"
 #include "model/calls.h"
 #include "estimate/layout.h"
 
@@ -21,7 +22,7 @@ RBDI_INLINE int rbdi_est_between(rbd_real x, rbd_const low, rbd_const high) { re
 RBDI_PART rbd_status rbdi_est_check_finite(const rbd_real *x, int n, const char *name,
                                            rbd_estimate_fault *fault) {
     for (int i = 0; i < n; ++i)
-        if (!(x[i] - x[i] <= 0)) return rbdi_est_fault(fault, RBD_ERR_NAN, name, i);
+        if (!rbdi_is_finite(x[i])) return rbdi_est_fault(fault, RBD_ERR_NAN, name, i);
     return RBD_OK;
 }
 

@@ -1,5 +1,6 @@
 #ifndef RBDI_IK_CHECK_H
 #define RBDI_IK_CHECK_H
+#include "motion/manifold.h"
 #include "ik/targets.h"
 
 /* Interface: rbdi_ik_is_axis, rbdi_ik_is_place, rbdi_ik_is_rotation, rbdi_ik_within */
@@ -96,7 +97,7 @@ RBDI_LOCAL rbd_status rbdi_ik_check_held(const rbd_model *m, const unsigned char
 
 RBDI_LOCAL rbd_status rbdi_ik_check_q(const rbd_model *m, const rbd_real *q, rbd_ik_result *result) {
     for (int i = 0; i < m->nq; ++i) {
-        if (!(q[i] - q[i] <= 0)) return rbdi_ik_refuse(result, RBD_ERR_NAN, -1, "q");
+        if (!rbdi_is_finite(q[i])) return rbdi_ik_refuse(result, RBD_ERR_NAN, -1, "q");
         if (rbdi_abs(q[i]) > RBDI_IK_MOST) return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "q");
     }
     return RBD_OK;

@@ -12,19 +12,25 @@
    For two dofs of one floating or planar joint, use the mean of both orders. What mimic joints add is left
    out.
 
-   If a turn of angle a about n is left, a turn w changes a^2/2 in second order by
+   Let a turn of angle a about the unit vector n be left. A further turn w changes a^2/2 in second order by
 
-       w'(n n' + c (1 - n n')) w / 2,   c = (a/2) cot(a/2)
+       w' (n n' + c (1 - n n')) w / 2            c = (a/2) cot(a/2)
 
-   Of an axis s, which a turn about s leaves, it is the same without the part along s, with c = a cot a, and
-   a (s w) ((s x n) w) / 2, because the way of s is no great circle then. Centres of mass are left out. */
+   because rotations are unit quaternions, on whose sphere angles are half as large, and on a unit sphere half
+   the square of a distance x has the second derivative 1 along the way and x cot x across it. A direction s
+   is a point of the unit sphere itself, and a turn about s does not change it:
+
+       w' (n n' + c (1 - n n' - s s')) w / 2     c = a cot a
+
+   The step from s by w is exp(w) s. Unless w is perpendicular to s, it is no great circle, and adds the term
+   a (s'w) ((s x n)'w) / 2. The tests compare both with differences. Centres of mass are left out. */
 
 /* The error of one target that is left, and what follows from it. */
 typedef struct rbdi_ik_bend {
     rbdi_v3 place, turn; /* factor^2 times the error */
     rbdi_v3 n, s;        /* unit vectors, or 0 */
-    rbdi_v3 side;        /* s x turn */
-    rbd_real lack;       /* factor^2 (1 - c) */
+    rbdi_v3 side;        /* s x turn: of the term (s'w) ((s x n)'w) */
+    rbd_real lack;       /* factor^2 (1 - c): what the Hessian lacks of J'J across n */
 } rbdi_ik_bend;
 
 /* x cot x, at least -1; x > 0. */
@@ -34,20 +40,20 @@ RBDI_LOCAL rbd_real rbdi_ik_cotangent(rbd_real x) {
     return x * c > -s ? x * c / s : rbdi_set(RBD_C(-1));
 }
 
-RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t, int *row) {
+RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *ik, const rbd_ik_target *t, int *row) {
     const rbd_real factor = rbdi_ik_factor(t);
-    const rbd_real angular = factor * k->options.length;
+    const rbd_real angular = factor * ik->options.length;
     rbdi_ik_bend b;
 
     b.place = b.turn = b.n = b.s = b.side = rbdi_vec0();
     b.lack = rbdi_zero();
 
     if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
-        const rbdi_v3 e = rbdi_load_vec(&k->e[*row], 1);
+        const rbdi_v3 e = rbdi_load_vec(&ik->e[*row], 1);
         const rbd_real length = rbdi_sqrt(rbdi_dot(e, e));
         const rbd_real angle = length / angular;
         b.turn = rbdi_scale(angular, e);
-        if (t->kind == RBD_IK_AXIS) b.s = rbdi_ik_axis(k->m, k->w, t->body, t->axis);
+        if (t->kind == RBD_IK_AXIS) b.s = rbdi_ik_axis(ik->m, ik->w, t->body, t->axis);
         b.side = rbdi_cross(b.s, b.turn);
         if (angle > RBDI_IK_STRAIGHT) {
             const rbd_real half = t->kind == RBD_IK_AXIS ? angle : RBD_C(0.5) * angle;
@@ -57,7 +63,7 @@ RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t
         *row += 3;
     }
 
-    if (rbdi_ik_moves_point(t->kind)) b.place = rbdi_scale(factor, rbdi_load_vec(&k->e[*row], 1));
+    if (rbdi_ik_moves_point(t->kind)) b.place = rbdi_scale(factor, rbdi_load_vec(&ik->e[*row], 1));
     if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) *row += 3;
     return b;
 }
@@ -81,18 +87,18 @@ RBDI_INLINE int rbdi_ik_together(const rbd_model *m, int i, int j) {
     return m->dof[i].body == m->dof[j].body && rbdi_is(&m->link[u->link], RBDI_BLOCK);
 }
 
-/* Takes the curvature of one target, whose Jacobian is in k->columns, from H. */
-RBDI_LOCAL void rbdi_ik_curve_of(rbdi_ik *k, const rbdi_ik_bend *b) {
-    const rbd_model *m = k->m;
-    rbd_real *H = k->H;
+/* Takes the curvature of one target, whose Jacobian is in ik->columns, from H. */
+RBDI_LOCAL void rbdi_ik_curve_of(rbdi_ik *ik, const rbdi_ik_bend *b) {
+    const rbd_model *m = ik->m;
+    rbd_real *H = ik->H;
 
-    for (int r = 0; r < k->dofs; ++r) {
-        const int i = k->dof[r].dof;
-        const rbdi_motion one = rbdi_load_motion(&k->columns[i], m->nv);
+    for (int r = 0; r < ik->dofs; ++r) {
+        const int i = ik->dof[r].dof;
+        const rbdi_motion one = rbdi_load_motion(&ik->columns[i], m->nv);
 
-        for (int c = r; c < k->dofs; ++c, ++H) {
-            const int j = k->dof[c].dof;
-            const rbdi_motion two = rbdi_load_motion(&k->columns[j], m->nv);
+        for (int c = r; c < ik->dofs; ++c, ++H) {
+            const int j = ik->dof[c].dof;
+            const rbdi_motion two = rbdi_load_motion(&ik->columns[j], m->nv);
             rbd_real bent;
 
             if (rbdi_ik_together(m, i, j))
@@ -105,14 +111,14 @@ RBDI_LOCAL void rbdi_ik_curve_of(rbdi_ik *k, const rbdi_ik_bend *b) {
 }
 
 /* Takes the curvature of all targets from H, after rbdi_ik_normal. */
-RBDI_LOCAL void rbdi_ik_curve(rbdi_ik *k) {
+RBDI_LOCAL void rbdi_ik_curve(rbdi_ik *ik) {
     int row = 0;
 
-    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
-        const rbdi_ik_bend b = rbdi_ik_bend_of(k, t, &row);
+    for (const rbd_ik_target *t = ik->target; t < ik->target + ik->n; ++t) {
+        const rbdi_ik_bend b = rbdi_ik_bend_of(ik, t, &row);
         if (t->kind == RBD_IK_COM) continue;
-        rbd_jacobian(k->m, k->w, t->body, t->point, RBD_WORLD_AXES, k->columns);
-        rbdi_ik_curve_of(k, &b);
+        rbd_jacobian(ik->m, ik->w, t->body, t->point, RBD_WORLD_AXES, ik->columns);
+        rbdi_ik_curve_of(ik, &b);
     }
 }
 

@@ -41,30 +41,30 @@ RBDI_LOCAL void rbdi_ik_limits(const rbd_model *m, rbdi_ik_dof *f) {
 }
 
 /* The dofs that move a target and are not held. */
-RBDI_LOCAL void rbdi_ik_find_dofs(rbdi_ik *k) {
-    const rbd_model *m = k->m;
-    int16_t *mark = k->mark;
+RBDI_LOCAL void rbdi_ik_find_dofs(rbdi_ik *ik) {
+    const rbd_model *m = ik->m;
+    int16_t *mark = ik->mark;
 
     for (int i = 0; i < m->nv; ++i) mark[i] = 0;
-    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
+    for (const rbd_ik_target *t = ik->target; t < ik->target + ik->n; ++t) {
         if (t->kind != RBD_IK_COM) rbdi_ik_mark(m, m->frame[t->body].link, mark);
         for (int i = 0; t->kind == RBD_IK_COM && i < m->nl; ++i) rbdi_ik_mark(m, i, mark);
     }
 
-    k->dofs = 0;
+    ik->dofs = 0;
     for (int i = 0; i < m->nv; ++i) {
-        rbdi_ik_dof *f = &k->dof[k->dofs];
-        if (mark[i] == 0 || (k->options.held && k->options.held[i])) continue;
+        rbdi_ik_dof *f = &ik->dof[ik->dofs];
+        if (mark[i] == 0 || (ik->options.held && ik->options.held[i])) continue;
         f->dof = (int16_t)i;
         f->turns = mark[i] == 2;
         rbdi_ik_limits(m, f);
-        ++k->dofs;
+        ++ik->dofs;
     }
 }
 
 /* Puts q within the limits of these dofs. */
-RBDI_LOCAL void rbdi_ik_put_within(const rbdi_ik *k, rbd_real *q) {
-    for (const rbdi_ik_dof *f = k->dof; f < k->dof + k->dofs; ++f) {
+RBDI_LOCAL void rbdi_ik_put_within(const rbdi_ik *ik, rbd_real *q) {
+    for (const rbdi_ik_dof *f = ik->dof; f < ik->dof + ik->dofs; ++f) {
         if (f->at < 0) continue;
         if (q[f->at] > f->upper) q[f->at] = f->upper;
         if (q[f->at] < f->lower) q[f->at] = f->lower;

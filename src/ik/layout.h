@@ -78,7 +78,7 @@ typedef struct rbdi_ik_dof {
 /* A step solves for a dof, leaves it where it is, or sets it on a limit. */
 enum { RBDI_IK_FREE, RBDI_IK_STAYS, RBDI_IK_LOWER, RBDI_IK_UPPER };
 
-/* One search. */
+/* One search: `ik` in these rooms. */
 typedef struct rbdi_ik {
     const rbd_model *m;
     rbd_work *w;

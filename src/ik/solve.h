@@ -27,75 +27,75 @@ RBDI_LOCAL rbd_ik_options rbdi_ik_defaults(const rbd_ik_options *given) {
 RBDI_LOCAL rbdi_ik *rbdi_ik_lay_out(const rbd_model *m, int n, void *memory) {
     const int nv = m->nv, triangle = nv * (nv + 1) / 2;
     unsigned char *at = rbdi_aligned(memory);
-    rbdi_ik *k = RBDI_CUT(rbdi_ik, 1);
-    k->dof = RBDI_CUT(rbdi_ik_dof, nv);
-    k->mark = RBDI_CUT(int16_t, nv);
-    k->solved = k->mark;
+    rbdi_ik *ik = RBDI_CUT(rbdi_ik, 1);
+    ik->dof = RBDI_CUT(rbdi_ik_dof, nv);
+    ik->mark = RBDI_CUT(int16_t, nv);
+    ik->solved = ik->mark;
 
-    k->e = (rbd_real *)at;
-    k->J = k->e + 6 * n;
-    k->columns = k->J + 6 * n * nv;
-    k->H = k->columns + 6 * nv;
-    k->factor = k->H + triangle;
-    k->g = k->factor + triangle;
-    k->d = k->g + nv;
-    k->x = k->d + nv;
-    k->v = k->x + nv;
-    k->from = k->v + nv;
-    k->best = k->from + m->nq;
-    k->q = k->best + m->nq;
-    k->trial = k->q + m->nq;
-    k->mass = k->trial + m->nq;
-    return k;
+    ik->e = (rbd_real *)at;
+    ik->J = ik->e + 6 * n;
+    ik->columns = ik->J + 6 * n * nv;
+    ik->H = ik->columns + 6 * nv;
+    ik->factor = ik->H + triangle;
+    ik->g = ik->factor + triangle;
+    ik->d = ik->g + nv;
+    ik->x = ik->d + nv;
+    ik->v = ik->x + nv;
+    ik->from = ik->v + nv;
+    ik->best = ik->from + m->nq;
+    ik->q = ik->best + m->nq;
+    ik->trial = ik->q + m->nq;
+    ik->mass = ik->trial + m->nq;
+    return ik;
 }
 
 /* Makes the search ready to begin from q. */
 RBDI_LOCAL rbdi_ik *rbdi_ik_begin(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                                   const rbd_ik_options *options, void *memory, const rbd_real *q,
                                   rbd_ik_result *result) {
-    rbdi_ik *k = rbdi_ik_lay_out(m, n, memory);
-    k->m = m;
-    k->w = w;
-    k->target = targets;
-    k->n = n;
-    k->options = rbdi_ik_defaults(options);
-    k->result = result;
-    k->alone = n == 1 && targets->kind != RBD_IK_COM ? targets->body : -1;
-    k->all = rbd_mass(m);
-    k->best_cost = rbdi_set(RBDI_IK_OVERFLOW);
+    rbdi_ik *ik = rbdi_ik_lay_out(m, n, memory);
+    ik->m = m;
+    ik->w = w;
+    ik->target = targets;
+    ik->n = n;
+    ik->options = rbdi_ik_defaults(options);
+    ik->result = result;
+    ik->alone = n == 1 && targets->kind != RBD_IK_COM ? targets->body : -1;
+    ik->all = rbd_mass(m);
+    ik->best_cost = rbdi_set(RBDI_IK_OVERFLOW);
 
-    k->rows = 0;
-    for (int i = 0; i < n; ++i) k->rows += rbdi_ik_rows_of(targets[i].kind);
-    rbdi_clear(k->v, m->nv);
-    rbdi_ik_find_dofs(k);
-    rbdi_ik_copy(q, m->nq, k->from);
-    rbdi_ik_put_within(k, k->from);
-    return k;
+    ik->rows = 0;
+    for (int i = 0; i < n; ++i) ik->rows += rbdi_ik_rows_of(targets[i].kind);
+    rbdi_clear(ik->v, m->nv);
+    rbdi_ik_find_dofs(ik);
+    rbdi_ik_copy(q, m->nq, ik->from);
+    rbdi_ik_put_within(ik, ik->from);
+    return ik;
 }
 
-/* Searches; then looks for the nearest place. k->q is the answer. */
-RBDI_LOCAL rbd_ik_status rbdi_ik_run(rbdi_ik *k) {
-    for (int i = 0; i < k->options.starts && rbdi_ik_may_go_on(k); ++i) {
-        ++k->result->starts;
-        rbdi_ik_start(k, i);
-        if (rbdi_ik_search(k)) return RBD_IK_REACHED;
+/* Searches; then looks for the nearest place. ik->q is the answer. */
+RBDI_LOCAL rbd_ik_status rbdi_ik_run(rbdi_ik *ik) {
+    for (int i = 0; i < ik->options.starts && rbdi_ik_may_go_on(ik); ++i) {
+        ++ik->result->starts;
+        rbdi_ik_start(ik, i);
+        if (rbdi_ik_search(ik)) return RBD_IK_REACHED;
     }
 
-    if (!(k->best_cost < RBDI_IK_OVERFLOW)) {
-        rbdi_ik_refuse(k->result, RBD_ERR_NAN, -1, "q");
+    if (!(ik->best_cost < RBDI_IK_OVERFLOW)) {
+        rbdi_ik_refuse(ik->result, RBD_ERR_NAN, -1, "q");
         return RBD_IK_ERROR;
     }
 
-    if (rbdi_ik_find_nearest(k)) return RBD_IK_REACHED;
-    rbdi_ik_copy(k->best, k->m->nq, k->q);
-    return rbdi_ik_judge(k);
+    if (rbdi_ik_find_nearest(ik)) return RBD_IK_REACHED;
+    rbdi_ik_copy(ik->best, ik->m->nq, ik->q);
+    return rbdi_ik_judge(ik);
 }
 
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result) {
     rbd_ik_status status;
-    rbdi_ik *k;
+    rbdi_ik *ik;
     if (!result) return RBD_IK_ERROR;
 
     result->metres = rbdi_zero();
@@ -107,9 +107,9 @@ RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_targ
     rbdi_ik_refuse(result, RBD_OK, -1, NULL);
     if (rbdi_ik_check(m, w, targets, n, options, memory, size, q, result)) return RBD_IK_ERROR;
 
-    k = rbdi_ik_begin(m, w, targets, n, options, memory, q, result);
-    status = rbdi_ik_run(k);
-    if (status != RBD_IK_ERROR) rbdi_ik_copy(k->q, m->nq, q);
+    ik = rbdi_ik_begin(m, w, targets, n, options, memory, q, result);
+    status = rbdi_ik_run(ik);
+    if (status != RBD_IK_ERROR) rbdi_ik_copy(ik->q, m->nq, q);
     return status;
 }
 

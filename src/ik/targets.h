@@ -1,7 +1,7 @@
 #ifndef RBDI_IK_TARGETS_H
 #define RBDI_IK_TARGETS_H
 #include "motion/points.h"
-#include "ik/step.h"
+#include "ik/layout.h"
 
 /* Interface: rbdi_ik_across, rbdi_ik_axis, rbdi_ik_body_com, rbdi_ik_com_jacobian, rbdi_ik_part_across,
    rbdi_ik_turn, rbdi_ik_turn_to, rbdi_ik_unit, rbdi_ik_way */
@@ -75,10 +75,10 @@ RBDI_LOCAL rbdi_v3 rbdi_ik_way(const rbd_real *place, rbdi_v3 p) {
 }
 
 /* The turn, world axes, that a target wants. */
-RBDI_LOCAL rbdi_v3 rbdi_ik_wanted_turn(const rbdi_ik *k, const rbd_ik_target *t) {
+RBDI_LOCAL rbdi_v3 rbdi_ik_wanted_turn(const rbdi_ik *ik, const rbd_ik_target *t) {
     if (t->kind == RBD_IK_AXIS)
-        return rbdi_ik_turn(rbdi_ik_axis(k->m, k->w, t->body, t->axis), rbdi_ik_unit(t->direction));
-    return rbdi_ik_turn_to(t->rotation, rbdi_axes_of(k->m, k->w, t->body));
+        return rbdi_ik_turn(rbdi_ik_axis(ik->m, ik->w, t->body, t->axis), rbdi_ik_unit(t->direction));
+    return rbdi_ik_turn_to(t->rotation, rbdi_axes_of(ik->m, ik->w, t->body));
 }
 
 /* Centre of mass of one body. */
@@ -89,54 +89,54 @@ RBDI_LOCAL rbdi_v3 rbdi_ik_body_com(const rbd_model *m, const rbd_work *w, const
 }
 
 /* Centre of mass of all bodies that a joint moves. */
-RBDI_LOCAL rbdi_v3 rbdi_ik_com(const rbdi_ik *k) {
-    const rbd_model *m = k->m;
+RBDI_LOCAL rbdi_v3 rbdi_ik_com(const rbdi_ik *ik) {
+    const rbd_model *m = ik->m;
     rbdi_v3 sum = rbdi_vec0();
 
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
         if (u->link >= 0)
-            sum = rbdi_add(sum, rbdi_scale(rbdi_set(u->mass / k->all), rbdi_ik_body_com(m, k->w, u)));
+            sum = rbdi_add(sum, rbdi_scale(rbdi_set(u->mass / ik->all), rbdi_ik_body_com(m, ik->w, u)));
 
     return sum;
 }
 
 /* Appends an error to e, with its weight; returns its length. */
-RBDI_LOCAL rbd_real rbdi_ik_append(rbdi_ik *k, int *row, rbd_real factor, rbdi_v3 error) {
+RBDI_LOCAL rbd_real rbdi_ik_append(rbdi_ik *ik, int *row, rbd_real factor, rbdi_v3 error) {
     const rbdi_v3 scaled = rbdi_scale(factor, error);
-    rbdi_store_vec(&k->e[*row], 1, scaled);
+    rbdi_store_vec(&ik->e[*row], 1, scaled);
     *row += 3;
-    k->cost = k->cost + rbdi_dot(scaled, scaled);
+    ik->cost = ik->cost + rbdi_dot(scaled, scaled);
     return rbdi_sqrt(rbdi_dot(error, error));
 }
 
 /* e and |e|^2 at q, angles before lengths; also the largest distance and angle. */
-RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *k, const rbd_real *q) {
+RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *ik, const rbd_real *q) {
     int row = 0;
 
-    if (k->alone >= 0)
-        rbd_body_kinematics(k->m, k->w, k->alone, q, NULL, NULL);
+    if (ik->alone >= 0)
+        rbd_body_kinematics(ik->m, ik->w, ik->alone, q, NULL, NULL);
     else
-        rbd_kinematics(k->m, k->w, q, NULL, NULL);
+        rbd_kinematics(ik->m, ik->w, q, NULL, NULL);
 
-    ++k->result->evaluations;
-    k->cost = rbdi_zero();
-    k->result->metres = rbdi_zero();
-    k->result->radians = rbdi_zero();
+    ++ik->result->evaluations;
+    ik->cost = rbdi_zero();
+    ik->result->metres = rbdi_zero();
+    ik->result->radians = rbdi_zero();
 
-    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
+    for (const rbd_ik_target *t = ik->target; t < ik->target + ik->n; ++t) {
         const rbd_real factor = rbdi_ik_factor(t);
 
         if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
-            const rbdi_v3 turn = rbdi_ik_wanted_turn(k, t);
-            const rbd_real angle = rbdi_ik_append(k, &row, factor * k->options.length, turn);
-            k->result->radians = rbdi_ik_larger(k->result->radians, angle);
+            const rbdi_v3 turn = rbdi_ik_wanted_turn(ik, t);
+            const rbd_real angle = rbdi_ik_append(ik, &row, factor * ik->options.length, turn);
+            ik->result->radians = rbdi_larger(ik->result->radians, angle);
         }
 
         if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) {
-            const rbdi_v3 at =
-                t->kind == RBD_IK_COM ? rbdi_ik_com(k) : rbdi_point_position(k->m, k->w, t->body, t->point);
-            const rbd_real distance = rbdi_ik_append(k, &row, factor, rbdi_ik_way(t->position, at));
-            k->result->metres = rbdi_ik_larger(k->result->metres, distance);
+            const rbdi_v3 at = t->kind == RBD_IK_COM ? rbdi_ik_com(ik)
+                                                     : rbdi_point_position(ik->m, ik->w, t->body, t->point);
+            const rbd_real distance = rbdi_ik_append(ik, &row, factor, rbdi_ik_way(t->position, at));
+            ik->result->metres = rbdi_larger(ik->result->metres, distance);
         }
     }
 }
@@ -191,14 +191,14 @@ RBDI_LOCAL void rbdi_ik_com_jacobian(const rbd_model *m, const rbd_work *w, rbd_
     }
 }
 
-/* Copies three rows of k->columns into J from `row` on; without the part along `off`, if there is any. */
-RBDI_LOCAL void rbdi_ik_put_rows(rbdi_ik *k, int *row, rbd_real factor, int from, const rbdi_v3 *off) {
-    const ptrdiff_t nv = k->m->nv;
+/* Copies three rows of ik->columns into J from `row` on; without the part along `off`, if there is any. */
+RBDI_LOCAL void rbdi_ik_put_rows(rbdi_ik *ik, int *row, rbd_real factor, int from, const rbdi_v3 *off) {
+    const ptrdiff_t nv = ik->m->nv;
 
-    for (int i = 0; i < k->dofs; ++i) {
-        rbdi_v3 c = rbdi_load_vec(&k->columns[from * nv + k->dof[i].dof], nv);
+    for (int i = 0; i < ik->dofs; ++i) {
+        rbdi_v3 c = rbdi_load_vec(&ik->columns[from * nv + ik->dof[i].dof], nv);
         if (off) c = rbdi_ik_part_across(c, *off);
-        rbdi_store_vec(&k->J[i * k->rows + *row], 1, rbdi_scale(factor, c));
+        rbdi_store_vec(&ik->J[i * ik->rows + *row], 1, rbdi_scale(factor, c));
     }
 
     *row += 3;
@@ -206,23 +206,24 @@ RBDI_LOCAL void rbdi_ik_put_rows(rbdi_ik *k, int *row, rbd_real factor, int from
 
 /* J at the place of the last rbdi_ik_errors. A turn e of length angle changes by dangle = -n omega, n along
    e: so g = J'e is exact, and J without the part along the axis. */
-RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
+RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *ik) {
     int row = 0;
 
-    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
+    for (const rbd_ik_target *t = ik->target; t < ik->target + ik->n; ++t) {
         const rbd_real factor = rbdi_ik_factor(t);
 
         if (t->kind == RBD_IK_COM)
-            rbdi_ik_com_jacobian(k->m, k->w, k->all, k->mass, &k->columns[3 * k->m->nv]);
+            rbdi_ik_com_jacobian(ik->m, ik->w, ik->all, ik->mass, &ik->columns[3 * ik->m->nv]);
         else
-            rbd_jacobian(k->m, k->w, t->body, t->point, RBD_WORLD_AXES, k->columns);
+            rbd_jacobian(ik->m, ik->w, t->body, t->point, RBD_WORLD_AXES, ik->columns);
 
         if (t->kind == RBD_IK_AXIS) {
-            const rbdi_v3 axis = rbdi_ik_axis(k->m, k->w, t->body, t->axis);
-            rbdi_ik_put_rows(k, &row, factor * k->options.length, 0, &axis);
+            const rbdi_v3 axis = rbdi_ik_axis(ik->m, ik->w, t->body, t->axis);
+            rbdi_ik_put_rows(ik, &row, factor * ik->options.length, 0, &axis);
         }
-        if (rbdi_ik_turns_body(t->kind)) rbdi_ik_put_rows(k, &row, factor * k->options.length, 0, NULL);
-        if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) rbdi_ik_put_rows(k, &row, factor, 3, NULL);
+        if (rbdi_ik_turns_body(t->kind)) rbdi_ik_put_rows(ik, &row, factor * ik->options.length, 0, NULL);
+        if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM)
+            rbdi_ik_put_rows(ik, &row, factor, 3, NULL);
     }
 }
 

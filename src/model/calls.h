@@ -13,24 +13,23 @@ RBDI_INLINE int rbdi_has_shape(const rbd_model *m, const uint64_t shape[RBDI_SHA
     return m->shape[0] == shape[0] && m->shape[1] == shape[1] && m->shape[2] == shape[2];
 }
 
-RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) { return rbdi_has_shape(m, w->shape); }
-
 /* The first check of every call with a model and a work. arrays: none of the caller's required ones is
    NULL. The program must support the model, and the work must fit it. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
+    return rbdi_supported(m) && rbdi_has_shape(m, w->shape) ? RBD_OK : RBD_ERR_WORK;
 }
 
 /* Why a model's dynamics cannot be computed. */
 RBDI_COLD rbd_status rbdi_no_dynamics(const rbd_model *m, const rbd_work *w) {
-    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_ERR_MASSLESS : RBD_ERR_WORK;
+    const rbd_status status = rbdi_check(m, w, 1);
+    return status ? status : RBD_ERR_MASSLESS;
 }
 
 /* rbdi_check of a call that needs masses. */
 RBDI_INLINE rbd_status rbdi_check_dynamics(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    if (rbdi_supports_dynamics(m) && rbdi_fits(m, w)) return RBD_OK;
+    if (!rbdi_missing(m) && rbdi_has_shape(m, w->shape)) return RBD_OK;
     return rbdi_no_dynamics(m, w);
 }
 

@@ -50,18 +50,18 @@ RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
 }
 
-/* Whether this program has all features of the model; others: features that count as had. rbd_aba needs
-   Cholesky's factor for mimic joints. */
-RBDI_INLINE int rbdi_supported_but(const rbd_model *m, uint32_t others) {
+/* Features of the model that this program lacks. RBDI_MASSLESS is always one of them: no program computes
+   dynamics without masses. Without Cholesky's factor mimic joints are one, because rbd_aba needs it for
+   them. */
+RBDI_INLINE uint32_t rbdi_missing(const rbd_model *m) {
 #ifdef RBD_NO_CHOLESKY
-    if (m->nmimic) return 0;
+    if (m->nmimic) return RBDI_MIMICS;
 #endif
-    return (m->features & ~((RBDI_FEATURES & ~RBDI_MASSLESS) | others)) == 0;
+    return m->features & ~(RBDI_FEATURES & ~RBDI_MASSLESS);
 }
 
-/* Whether this program can compute the model's kinematics; its dynamics. */
-RBDI_INLINE int rbdi_supported(const rbd_model *m) { return rbdi_supported_but(m, RBDI_MASSLESS); }
-RBDI_INLINE int rbdi_supports_dynamics(const rbd_model *m) { return rbdi_supported_but(m, 0); }
+/* Whether this program can compute the model's kinematics. */
+RBDI_INLINE int rbdi_supported(const rbd_model *m) { return (rbdi_missing(m) & ~RBDI_MASSLESS) == 0; }
 
 /* The first dof that moves no mass, -1 if there is none. It is part of the shape, so that no work of another
    model is taken: rbd_singular_dof reads it there. */

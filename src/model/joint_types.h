@@ -3,18 +3,19 @@
 #include "api/types.h"
 #include "base/compiler.h"
 
-/* Interface: rbdi_first_axis, rbdi_has_quaternion, rbdi_type_turns */
+/* Interface: rbdi_first_axis, rbdi_has_quaternion, rbdi_is_length, rbdi_type_turns */
 
 /* ---- joint types [joint types] ----
    The differences between joint types. A type is a chain of one-axis links, one for each letter of its axes,
    or, if it has none, a block: a joint with several axes through one point. To add a type:
 
      always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
-     a chain     of links that turn or slide needs that row alone and, for lengths, motion/manifold.h:
-                 rbdi_random_joint. For links of another kind, as screws: model/links.h: rbdi_build_joint
-     a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
-                 rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
-                 slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
+     a chain     of links that turn or slide needs that row alone. For links of another kind, as screws:
+                 model/links.h: rbdi_build_joint
+     a block     rbdi_first_axis and rbdi_is_length, below; model/joints.h: rbdi_joint_attitude,
+                 rbdi_joint_origin, rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves,
+                 and whether it slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it
+                 only slides
      v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and
      the rate    rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint,
      of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
@@ -74,6 +75,14 @@ RBDI_INLINE int rbdi_type_turns(int type) {
 
 /* Whether the last four coordinates are a quaternion. */
 RBDI_INLINE int rbdi_has_quaternion(int type) { return type == RBD_SPHERICAL || type == RBD_FLOATING; }
+
+/* Whether coordinate k, which is no part of a quaternion, is a length. Those of a block come first. */
+RBDI_PART int rbdi_is_length(int type, int k) {
+    const rbdi_joint_fact *fact = rbdi_joint_facts(type);
+    if (fact->axes[0]) return rbdi_axis_slides(fact->axes[k]);
+
+    return type == RBD_PLANAR ? k < 2 : type != RBD_SPHERICAL;
+}
 
 /* Number of links of a joint: of a chain one for each dof, of a block one. */
 RBDI_PART int rbdi_links_of(int type) {

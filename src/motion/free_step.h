@@ -31,7 +31,7 @@
 RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const rbd_real *first,
                                    const rbd_real *second, rbd_real *third) {
     const rbd_real one = rbdi_set(RBD_C(1));
-    rbd_real before = rbdi_zero(), after = before, t, share;
+    rbd_real before = rbdi_zero(), after = before, t, kept;
     rbdi_mask grows;
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real inverse = L[m->dof[k].row + m->dof[k].depth], old = second[k] - first[k],
@@ -46,8 +46,11 @@ RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const 
     /* t = 2 r - 1, at most 1 */
     t = (after + after) / before - one;
     t = rbdi_select(rbdi_less(one, t), one, t);
-    share = rbdi_select(grows, t * after / (before + after), rbdi_zero());
-    for (int k = 0; k < m->nv; ++k) third[k] = third[k] - share * (third[k] - first[k]);
+
+    /* y_3 = y_1 + (1 - t s) (y_3 - y_1): without a difference of large numbers where r is large */
+    kept = (before + (one - t) * after) / (before + after);
+    for (int k = 0; k < m->nv; ++k)
+        third[k] = rbdi_select(grows, first[k] + kept * (third[k] - first[k]), third[k]);
 }
 
 /* Columns of w->F, behind the scratch of a solution: three solutions, velocities, and accelerations. */

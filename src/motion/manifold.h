@@ -309,20 +309,15 @@ RBDI_COLD void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
    orientations. */
 RBDI_COLD void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
     const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
-    int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
+    const int numbers = u->nq - (rbdi_has_quaternion(u->type) ? 4 : 0);
     if (u->nv == 1 && u->lower < u->upper) {
         q[0] = rbdi_draw(seed, u->lower, u->upper);
         return;
     }
 
-    if (u->type == RBD_PRISMATIC) shifts = 1;
-    if (u->type == RBD_PLANAR) shifts = 2;
-    if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = angles = 3;
-    if (u->type == RBD_SPHERICAL) angles = 0;
-    for (int k = 0; k < angles; ++k)
-        q[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
+    for (int k = 0; k < numbers && k < u->nv; ++k)
+        q[k] = rbdi_is_length(u->type, k) ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
 
-    if (u->type == RBD_CYLINDRICAL) q[1] = rbdi_draw(seed, -one, one);
     if (u->type == RBD_CONTINUOUS_CS) {
         const rbd_real angle = q[0];
         rbdi_sincos(angle, &q[1], &q[0]);

@@ -24,7 +24,7 @@ enum { RBDI_ORIGINS, RBDI_CENTRES };
 RBDI_INLINE rbdi_v3 rbdi_straight_point(const rbd_model *m, const rbdi_frame *u, int points) {
     const rbdi_link *l;
     rbd_real inverse;
-    if (points == RBDI_ORIGINS || u->link < 0) return rbdi_vec0();
+    if (points == RBDI_ORIGINS) return rbdi_vec0();
     l = &m->link[u->link];
     if (!(l->mass > 0)) return rbdi_vec0();
 

@@ -1,6 +1,5 @@
 #ifndef RBDI_TASKS_BOUNDS_H
 #define RBDI_TASKS_BOUNDS_H
-#include "ik/step.h"
 #include "ik/dofs.h"
 #include "tasks/layout.h"
 
@@ -26,7 +25,7 @@ RBDI_LOCAL rbd_real rbdi_tasks_speed_before(rbd_real s, rbd_real braking, rbd_re
 
 /* x, but not out of -most .. most. */
 RBDI_INLINE rbd_real rbdi_tasks_clamp(rbd_real x, rbd_real most) {
-    return rbdi_ik_larger(-most, rbdi_ik_smaller(x, most));
+    return rbdi_larger(-most, rbdi_smaller(x, most));
 }
 
 /* The largest speed of a dof; RBDI_UNBOUNDED: any. */
@@ -41,7 +40,7 @@ RBDI_LOCAL rbd_real rbdi_tasks_speed(const rbdi_tasks *k, int dof) {
     for (int i = 0; i < rbdi_mimics(m); ++i) {
         const rbd_const own = m->frame[m->dof[m->nv + i].body].velocity;
         if (m->mimic[i].source_v == dof && own > 0)
-            speed = rbdi_ik_smaller(speed, rbdi_abs(rbdi_set(own / m->mimic[i].ratio)));
+            speed = rbdi_smaller(speed, rbdi_abs(rbdi_set(own / m->mimic[i].ratio)));
     }
     return speed;
 }
@@ -84,11 +83,11 @@ RBDI_LOCAL rbdi_tasks_range rbdi_tasks_velocities(const rbdi_tasks *k, int dof) 
 
     if (k->accelerations || limited) {
         const rbd_real slower = k->v[dof] - braking * p->dt, faster = k->v[dof] + braking * p->dt;
-        v.lower = rbdi_ik_smaller(v.lower, faster);
-        v.upper = rbdi_ik_larger(v.upper, slower);
+        v.lower = rbdi_smaller(v.lower, faster);
+        v.upper = rbdi_larger(v.upper, slower);
         if (limited) {
-            v.lower = rbdi_ik_larger(v.lower, slower);
-            v.upper = rbdi_ik_smaller(v.upper, faster);
+            v.lower = rbdi_larger(v.lower, slower);
+            v.upper = rbdi_smaller(v.upper, faster);
         }
     }
     return v;

@@ -78,7 +78,7 @@ RBDI_LOCAL rbd_real rbdi_tasks_torque(const rbdi_tasks *k, int dof) {
     for (int i = 0; i < rbdi_mimics(m); ++i) {
         const rbd_const own = m->frame[m->dof[m->nv + i].body].effort;
         if (m->mimic[i].source_v == dof && own > 0)
-            most = rbdi_ik_smaller(most, rbdi_abs(rbdi_set(own * m->mimic[i].ratio)));
+            most = rbdi_smaller(most, rbdi_abs(rbdi_set(own * m->mimic[i].ratio)));
     }
     return most;
 }

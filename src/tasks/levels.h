@@ -108,12 +108,12 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
     for (int row = 0; row < s->all; ++row) {
         const rbd_real value = s->value[row];
         const rbd_real below = k->lower[row] - value;
-        const rbd_real by = rbdi_ik_larger(below, value - k->upper[row]);
+        const rbd_real by = rbdi_larger(below, value - k->upper[row]);
         const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
         if (!(by > 0) || k->soft[row] > 0) continue;
         if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
         const rbd_real share = by / rbdi_qp_terms(s, row, side);
-        most = rbdi_ik_larger(most, rbdi_ik_smaller(share, rbdi_set(RBD_C(1)))); /* 1 if sums overflow */
+        most = rbdi_larger(most, rbdi_smaller(share, rbdi_set(RBD_C(1)))); /* 1 if sums overflow */
     }
     return most;
 }
@@ -122,7 +122,7 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
    whether that is little enough for a tick. */
 RBDI_LOCAL int rbdi_tasks_count_missed(rbdi_tasks *k, const rbdi_qp *s) {
     k->missed = k->missed + rbdi_tasks_missed(k, s);
-    k->result->primal = rbdi_ik_larger(k->result->primal, k->missed);
+    k->result->primal = rbdi_larger(k->result->primal, k->missed);
     return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
 }
 
@@ -164,12 +164,12 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     result->qp = status;
     result->level = level;
     result->steps += s.result.steps;
-    result->primal = rbdi_ik_larger(result->primal, s.result.primal);
-    result->dual = rbdi_ik_larger(result->dual, s.balance);
+    result->primal = rbdi_larger(result->primal, s.result.primal);
+    result->dual = rbdi_larger(result->dual, s.balance);
     if (!rbdi_tasks_has_answer(status)) return status;
 
     /* x is what counts: nobody asks for multipliers, of rows that nearly depend on each other */
-    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.balance) < RBDI_TASKS_ACCURACY)
+    if (status == RBD_QP_INACCURATE && rbdi_larger(s.result.primal, s.balance) < RBDI_TASKS_ACCURACY)
         status = RBD_QP_OK;
     if (!rbdi_tasks_count_missed(k, &s) && status == RBD_QP_OK) {
         result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
@@ -192,8 +192,8 @@ RBDI_LOCAL void rbdi_tasks_freeze(rbdi_tasks *k, int rows) {
             k->lower[row] = value;
             k->upper[row] = value;
         } else if (k->lower[row] < k->upper[row]) {
-            k->lower[row] = rbdi_ik_smaller(k->lower[row], value);
-            k->upper[row] = rbdi_ik_larger(k->upper[row], value);
+            k->lower[row] = rbdi_smaller(k->lower[row], value);
+            k->upper[row] = rbdi_larger(k->upper[row], value);
         }
         k->soft[row] = rbdi_zero();
     }

@@ -1,5 +1,6 @@
 #ifndef RBDI_TASKS_ROWS_H
 #define RBDI_TASKS_ROWS_H
+#include "ik/step.h"
 #include "qp/vectors.h"
 #include "tasks/check.h"
 #include "tasks/contacts.h"

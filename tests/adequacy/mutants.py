@@ -270,7 +270,7 @@ def stages(header):
 
     def sincos(name, *flags):
         return Stage("sincos " + name, (("test_sincos.c", ("-O1", "-DHAVE_QUADMATH", *flags)),), (), ("-lquadmath",),
-                     functions="sincos|bits|beyond")
+                     functions="sincos|bits")
 
     def tables(name, *flags):
         return Stage("tables " + name, (("tables.c", ("-O0", APART, "-ffp-contract=off", *flags)),))

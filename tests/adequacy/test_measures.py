@@ -28,6 +28,9 @@ LINES = [
     ("x = fmin(fmax(x, -1), 1);", None),
     ("if (!(x <= bound)) failures++;", None),
     ("int most = 0; if (steps > most) most = steps;", None),
+    ("uint32_t sum[2] = {0, 0}, most = 0; if (steps > most) most = steps;", None),
+    ("long double far = 0, most = 0; if (x > most) most = x;", "not greater"),
+    ("worst = fmax(worst, x); const int good = y > 0 && worst < 1;", "fmax passes"),
     ("/* worst = fmax(worst, x); */", None),
 ]
 

@@ -1,7 +1,7 @@
 #!/bin/sh
 # rbd-codegen built by another compiler writes the same bytes: GCC and clang evaluate arguments in opposite orders.
 # usage: same_text.sh ROOT RBD_CODEGEN CODEGEN_WRITE LIBRARY...   LIBRARY: those of tools/ without the code generator's,
-#     and that of the random robots; CXX built all
+#     that of the random robots, and that of MJCF files where MUJOCO links it; CXX built all
 set -u
 root=$(realpath "$1") rbd_codegen=$(realpath "$2") write=$(realpath "$3")
 shift 3
@@ -33,7 +33,7 @@ compile ../tests/codegen/write.cpp write.o || exit 1
 # shellcheck disable=SC2046 # words wanted
 compile rbd_codegen.cpp rbd_codegen.o $(pkg-config --cflags urdfdom) || exit 1
 # shellcheck disable=SC2046,SC2086 # words wanted
-$other rbd_codegen.o $generator $libraries $libraries $(pkg-config --libs urdfdom) -lm -o other || exit 1
+$other rbd_codegen.o $generator $libraries $libraries $(pkg-config --libs urdfdom) ${MUJOCO-} -lm -o other || exit 1
 # shellcheck disable=SC2086 # words wanted
 $other write.o $generator $libraries -lquadmath -lm -o other_write || exit 1
 

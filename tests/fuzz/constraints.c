@@ -576,17 +576,11 @@ static void check_impact(const set *s, double restitution) {
 
 /* ---- constrained_id ---- */
 
-/* Whether a body cannot move. */
-static int on_world(int body) {
-    while (body >= 0 && now.robot.bodies[body].type == RBD_FIXED) body = now.robot.bodies[body].parent;
-    return body < 0;
-}
-
 static int actuated_of(unsigned char *actuated, int given) {
     int free_dofs = 0;
     for (int i = 0, iv = 0; i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
-        const int base = b->type == RBD_FLOATING && on_world(b->parent);
+        const int base = b->type == RBD_FLOATING;
         for (int j = 0; j < world_nv(b); j++, iv++) actuated[iv] = given ? below(&now.seed, 3) > 0 : !base;
     }
     for (int k = 0; k < nv; k++) free_dofs += !actuated[k];

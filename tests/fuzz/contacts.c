@@ -1954,7 +1954,7 @@ static void try_strange(uint64_t *seed) {
     }
     if (one_in(seed, 3)) o.margin = strange(seed);
     if (one_in(seed, 3)) o.slop = strange(seed);
-    if (one_in(seed, 3)) o.correction = strange(seed);
+    if (one_in(seed, 3)) o.correction = fmin(strange(seed), 1);
     if (one_in(seed, 3)) o.bounce = strange(seed);
     if (one_in(seed, 3)) o.tolerance = strange(seed);
     if (one_in(seed, 3)) o.iterations = below(seed, 4);

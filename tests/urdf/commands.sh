@@ -63,6 +63,9 @@ for command in rbd-model rbd-eval; do
     for option in --keep --root --root-joint; do
         expect 2 "$command: $option: its value is missing; see $command --help" "$program" $option
     done
+    for option in --gravity=0,0,1 --root=a --root-joint=a; do
+        expect 2 "$command: ${option%%=*}: it stands twice; see $command --help" "$program" $option a "${option%%=*}" 0,0,2
+    done
     expect 2 "$command: --lock: 'x' in 'j=x' is not a number; see $command --help" "$program" --lock j=x
     expect 2 "$command: --lock: '' in 'j=' is not a number; see $command --help" "$program" --lock=j=
 done
@@ -84,6 +87,12 @@ expect 2 "rbd-eval: --algorithm: there is no 'ABA'; did you mean 'aba'? See rbd-
 expect 2 "rbd-eval: --algorithm: there is no 'fdderivatives'; did you mean 'fd_derivatives'? See rbd-eval --help" \
     "$rbd_eval" --algorithm fdderivatives
 expect 2 "rbd-eval: --algorithm: there is no 'kinematics'; see rbd-eval --help" "$rbd_eval" --algorithm kinematics
+expect 2 "rbd-eval: --dt: it stands twice; see rbd-eval --help" "$rbd_eval" a --algorithm contact_step --dt 1 --dt=1
+expect 2 "rbd-eval: --algorithm: it stands twice; see rbd-eval --help" "$rbd_eval" a --algorithm id --algorithm=fd
+for option in "--body a" "--point 0,0,0" "--given a" "--constraints a" "--contacts a" "--dt 1"; do
+    # shellcheck disable=SC2086 # an option and its value
+    expect 2 "rbd-eval: ${option%% *}: 'id' does not take it; see rbd-eval --help" "$rbd_eval" a --algorithm id $option
+done
 for name in gravty gravity garvity; do
     expect 2 "rbd-eval: --algorithm: there is no '$name'; did you mean 'gravity_torque'? See rbd-eval --help" \
         "$rbd_eval" --algorithm $name
@@ -521,7 +530,9 @@ eval_row 0 "" "q.hinge,q.rail"
 eval_row 1 "no header: the table is empty"
 missing="row 1: column 'q.rail' is missing (--layout prints all); found, between commas:"
 eval_row 1 "$missing 'q.hinge', 'x'" "q.hinge,x" "0,0"
-eval_row 1 "$missing 'q.rail;q.hinge'" "q.rail;q.hinge" "0;0"
+parted="and no commas: cells are parted by commas, numbers have points"
+eval_row 1 "row 1: it has semicolons $parted" "q.rail;q.hinge" "0,5;0"
+eval_row 1 "row 1: it has tabs $parted" "q.rail	q.hinge" "0	0"
 long=$(printf '%0100d' 0)
 eval_row 1 "$missing '$long', ..." "$long,$long" "0,0"
 eval_row 1 "$missing ..." "$long$long" "0"
@@ -539,6 +550,15 @@ eval_row 1 "row 2: something follows a closing quote" "q.rail,q.hinge" '0,"0"0'
 printf 'q.rail,q.hinge\n0,0\n0,1\0junk\n' >zero
 "$rbd_eval" --model cart_pole.urdf --algorithm gravity_torque <zero >out 2>err && fail "a zero byte cuts a row"
 grep -qxF "rbd-eval: row 3: it has a zero byte" err || { fail "a zero byte"; cat err; }
+printf 'q.rail,q.hinge\n0,0\n' | iconv -t UTF-16 >table
+"$rbd_eval" --model cart_pole.urdf --algorithm gravity_torque <table >out 2>err && fail "UTF-16 is taken for a table"
+grep -qxF "rbd-eval: row 1: it has a zero byte; a text in UTF-16 must be saved as UTF-8" err || { fail "UTF-16"; cat err; }
+
+# finite numbers whose result is none
+printf 'q.rail,q.hinge,v.rail,v.hinge,a.rail,a.hinge\n0,1,0,1e200,0,0\n' >table
+"$rbd_eval" --model cart_pole.urdf --algorithm id <table >out 2>err && fail "a result that overflows"
+grep -qxF "rbd-eval: row 2: the result 'tau.rail' overflows" err || { fail "an overflow"; cat err; }
+[ ! -s out ] || fail "a result that overflows is printed"
 "$rbd_eval" --model cart_pole.urdf --algorithm gravity_torque </ >out 2>err && fail "a folder is taken for a table"
 grep -q "^rbd-eval: row 1: it cannot be read: " err || { fail "a read error"; cat err; }
 

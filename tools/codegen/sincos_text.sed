@@ -2,7 +2,6 @@
 1i\
 R"(
 /^#include/d
-/^RBDI_INLINE rbdi_bits rbdi_beyond/d
 /^\/\* Sines and cosines of the angles/,/^}/d
 s/#if RBDI_CLANG/#ifdef __clang__/
 s/RBDI_PART/COLD/g

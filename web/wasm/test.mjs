@@ -46,7 +46,16 @@ for (const file of models) {
     await compare('rbd-codegen', ['--name', 'robot', '--bounded-angles', '--short-sums', '--gravity-argument'], file);
 }
 const broken = join(root, 'tests/urdf/broken');
-for (const file of readdirSync(broken).filter(f => f.endsWith('.urdf'))) await compare('rbd-model', [], join(broken, file));
+for (const file of readdirSync(broken).filter(f => f.endsWith('.urdf') && f !== 'mujoco.urdf'))
+    await compare('rbd-model', [], join(broken, file));
+
+// The native commands may have been built with MuJoCo; these never are, and say so.
+const mjcf = await run(modules['rbd-model'], ['rbd-model', 'mujoco.urdf'],
+    {'mujoco.urdf': readFileSync(join(broken, 'mujoco.urdf'))});
+if (mjcf.status !== 1 || !mjcf.stderr.includes('built without MuJoCo')) {
+    failed++;
+    console.log(`FAILED: an MJCF file: status ${mjcf.status}: ${mjcf.stderr}`);
+}
 await compare('rbd-codegen', ['--algorithm', 'jacobian:nowhere'], models[0]);
 rmSync(scratch, {recursive: true});
 console.log(`${compared} runs compared, ${failed} differ`);
