@@ -528,7 +528,7 @@ static double energy_of_shaft(limb *l, int i, double joint_angle, double joint_s
     rbd_actuator_state s;
     rbd_actuators_get(d.a, i, &s);
     const double angle = k > 0 ? (double)s.angle : joint_angle, speed = k > 0 ? (double)s.speed : joint_speed;
-    const double wound = fmax(0, fabs(angle - joint_angle) - (double)m->backlash / 2);
+    const double wound = larger(0, fabs(angle - joint_angle) - (double)m->backlash / 2);
     double energy = 0.5 * J * speed * speed + 0.5 * k * wound * wound;
     *terms += k * wound * (fabs(angle) + fabs(joint_angle));
     if (l->coupled) *terms += 0.1 * l->dt * (l->dt * k + (double)m->damping) * l->quickest * l->quickest;
@@ -552,7 +552,7 @@ static double energy_of_limb(limb *l, double *terms) {
     rbd_real mass[MOST * MOST], angle[MOST], speed[MOST];
     double energy = 0;
     l->quickest = 0;
-    for (int i = 0; i < l->n; i++) l->quickest = fmax(l->quickest, fabs((double)d.v[i]));
+    for (int i = 0; i < l->n; i++) l->quickest = larger(l->quickest, fabs((double)d.v[i]));
     if (rbd_crba(d.m, d.w, d.q, mass) != RBD_OK || rbd_actuators_map(d.a, d.q, d.v, angle, speed) != RBD_OK)
         fail("rbd_crba", 0);
     for (int i = 0; i < l->n; i++) {
