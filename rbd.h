@@ -1869,8 +1869,10 @@ RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi
 RBDI_INLINE rbd_real rbdi_larger(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), b, a); }
 RBDI_INLINE rbd_real rbdi_smaller(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), a, b); }
 
-/* Of infinity and of NaN x - x is NaN. */
-RBDI_INLINE int rbdi_is_finite(rbd_const x) { return x - x <= 0; }
+/* Whether x is a finite number, in all lanes. Of infinity and of NaN x - x is NaN. */
+RBDI_INLINE int rbdi_is_finite(rbd_real x) {
+    return !rbdi_any(rbdi_not(rbdi_less(x - x, rbdi_set(RBD_C(1)))));
+}
 
 /* 1 / D if D > threshold, else 0, and bad is set: no division gives infinity. */
 RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
@@ -5821,8 +5823,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     const rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && a);
     if (status) return status;
 #ifndef RBD_NO_CHOLESKY
-    /* a joint and its mimic are one dof in two places of the tree, which no sweep can eliminate at one link
-       */
+    /* a joint and its mimic are one dof at two links, which no sweep can eliminate at one of them */
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
 
@@ -6916,8 +6917,8 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
 /* Which points of bodies move straight. */
 enum { RBDI_ORIGINS, RBDI_CENTRES };
 
-/* That point in body axes: the centre of mass of the link, with the masses that regrouping moved to it.
-   Joints that do not turn freely have none: 0. */
+/* That point in body axes: the centre of mass of the link, with the masses that regrouping moved to it. It
+   counts only for joints that turn freely. u: the frame of a body with dofs of its own. */
 RBDI_INLINE rbdi_v3 rbdi_straight_point(const rbd_model *m, const rbdi_frame *u, int points) {
     const rbdi_link *l;
     rbd_real inverse;

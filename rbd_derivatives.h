@@ -1100,8 +1100,7 @@ RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *roo
             }
         }
 
-        /* and the parent's segment takes it */
-
+        /* the parent's segment takes the sum too */
         if (seg->parent < 0) continue;
         out = x + d->entry[seg->parent].at;
         RBDI_ONE_INDEX(out);
@@ -1241,7 +1240,7 @@ RBDI_INLINE rbdi_c3 rbdi_no_gravity(void) {
 
    and 0 for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
    dtau_i/dq_j is the second formula of the last line with i and j exchanged (rbdi_put_block_entries). C has
-   the formulas of dtau/dv, with the columns of B for those of 2 B.
+   the formulas of dtau/dv, with columns of W = V, not 2 V: [columns].
 
    Rows are computed one at a time, with dofs as lanes. The entries of row i with dofs on the path from i to
    the root have the formulas on the right, those with dofs in i's subtree the formulas on the left. */
@@ -2938,9 +2937,10 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
     rbd_body b;
     double trace, size = 0, Sigma[6];
     if (!pi) return RBD_ERR_NULL;
-    if (!(pi[0] >= 0 && rbdi_is_finite(pi[0]))) return RBD_ERR_MASS;
+    if (!(pi[0] >= 0 && rbdi_is_finite(rbdi_set(pi[0])))) return RBD_ERR_MASS;
     for (int k = 1; k < 4; ++k)
-        if (!rbdi_is_finite(pi[k]) || (!(pi[0] > 0) && (pi[k] < 0 || pi[k] > 0))) return RBD_ERR_COM;
+        if (!rbdi_is_finite(rbdi_set(pi[k])) || (!(pi[0] > 0) && (pi[k] < 0 || pi[k] > 0)))
+            return RBD_ERR_COM;
 
     for (int k = 4; k < 10; ++k) size += (double)(pi[k] < 0 ? -pi[k] : pi[k]);
     if (size <= 0) return RBD_OK;

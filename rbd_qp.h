@@ -831,8 +831,10 @@ RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi
 RBDI_INLINE rbd_real rbdi_larger(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), b, a); }
 RBDI_INLINE rbd_real rbdi_smaller(rbd_real a, rbd_real b) { return rbdi_select(rbdi_less(a, b), a, b); }
 
-/* Of infinity and of NaN x - x is NaN. */
-RBDI_INLINE int rbdi_is_finite(rbd_const x) { return x - x <= 0; }
+/* Whether x is a finite number, in all lanes. Of infinity and of NaN x - x is NaN. */
+RBDI_INLINE int rbdi_is_finite(rbd_real x) {
+    return !rbdi_any(rbdi_not(rbdi_less(x - x, rbdi_set(RBD_C(1)))));
+}
 
 /* 1 / D if D > threshold, else 0, and bad is set: no division gives infinity. */
 RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {

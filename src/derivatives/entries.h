@@ -12,7 +12,7 @@
 
    and 0 for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
    dtau_i/dq_j is the second formula of the last line with i and j exchanged (rbdi_put_block_entries). C has
-   the formulas of dtau/dv, with the columns of B for those of 2 B.
+   the formulas of dtau/dv, with columns of W = V, not 2 V: [columns].
 
    Rows are computed one at a time, with dofs as lanes. The entries of row i with dofs on the path from i to
    the root have the formulas on the right, those with dofs in i's subtree the formulas on the left. */

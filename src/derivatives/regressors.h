@@ -342,9 +342,10 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
     rbd_body b;
     double trace, size = 0, Sigma[6];
     if (!pi) return RBD_ERR_NULL;
-    if (!(pi[0] >= 0 && rbdi_is_finite(pi[0]))) return RBD_ERR_MASS;
+    if (!(pi[0] >= 0 && rbdi_is_finite(rbdi_set(pi[0])))) return RBD_ERR_MASS;
     for (int k = 1; k < 4; ++k)
-        if (!rbdi_is_finite(pi[k]) || (!(pi[0] > 0) && (pi[k] < 0 || pi[k] > 0))) return RBD_ERR_COM;
+        if (!rbdi_is_finite(rbdi_set(pi[k])) || (!(pi[0] > 0) && (pi[k] < 0 || pi[k] > 0)))
+            return RBD_ERR_COM;
 
     for (int k = 4; k < 10; ++k) size += (double)(pi[k] < 0 ? -pi[k] : pi[k]);
     if (size <= 0) return RBD_OK;

@@ -169,8 +169,7 @@ RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *roo
             }
         }
 
-        /* and the parent's segment takes it */
-
+        /* the parent's segment takes the sum too */
         if (seg->parent < 0) continue;
         out = x + d->entry[seg->parent].at;
         RBDI_ONE_INDEX(out);

@@ -14,8 +14,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     const rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && a);
     if (status) return status;
 #ifndef RBD_NO_CHOLESKY
-    /* a joint and its mimic are one dof in two places of the tree, which no sweep can eliminate at one link
-       */
+    /* a joint and its mimic are one dof at two links, which no sweep can eliminate at one of them */
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
 

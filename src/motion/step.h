@@ -19,8 +19,8 @@
 /* Which points of bodies move straight. */
 enum { RBDI_ORIGINS, RBDI_CENTRES };
 
-/* That point in body axes: the centre of mass of the link, with the masses that regrouping moved to it.
-   Joints that do not turn freely have none: 0. */
+/* That point in body axes: the centre of mass of the link, with the masses that regrouping moved to it. It
+   counts only for joints that turn freely. u: the frame of a body with dofs of its own. */
 RBDI_INLINE rbdi_v3 rbdi_straight_point(const rbd_model *m, const rbdi_frame *u, int points) {
     const rbdi_link *l;
     rbd_real inverse;
