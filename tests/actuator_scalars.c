@@ -506,6 +506,61 @@ static void check_light_rotors(void) {
     expect(worst < bound(1e-14, 1e-6), "winding of a stiff spring", worst);
 }
 
+/* What a step adds at most to the energy of two slides behind a matrix, as a share of the first energy. Their
+   springs have dt^2 stiffness of `ratio` times a slide's mass, and light rotors. */
+static double stiff_gain(double ratio, int friction) {
+    static const rbd_body slides[2] = {
+        {.joint = "a", .parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = RBD_C(1e-2)},
+        {.joint = "b", .parent = -1, .type = RBD_PRISMATIC, .axis = {0, 1, 0}, .mass = RBD_C(1e-2)}};
+    const rbd_command none[2] = {{0}};
+    const rbd_real other[2] = {0};
+    double most = 0;
+    for (int k = 0; k < 100; k++) {
+        const rbd_real dt = draw(3e-3, 1e-2);
+        const rbd_transmission t = {
+            .n = 2, .joint = {"a", "b"}, .matrix = {1, draw(-0.5, 0.5), draw(-0.5, 0.5), 1}};
+        rbd_motor motors[2] = {{.gear = 10, .constant = 1}, {.gear = 10, .constant = 1}};
+        rbd_real q[2] = {0}, v[2] = {draw(1, 3), draw(-3, -1)};
+        double first = 0, last = 0;
+        for (int i = 0; i < 2; i++) {
+            motors[i].inertia = (rbd_const)(1e-4 * pow(10, (double)draw(-4, 0)));
+            motors[i].stiffness = (rbd_const)(1e-2 * ratio / (double)(dt * dt));
+            if (friction) motors[i].friction.coulomb = (rbd_const)(1e-2 * pow(10, (double)draw(-1, 1)));
+        }
+        build(slides, 2, motors, 2, &t, 1);
+        expect(rbd_actuators_reset(a, q, 25) == RBD_OK, "reset", k);
+        for (int n = 0; n <= 100; n++) {
+            rbd_real angle[2], speed[2];
+            double energy = 0;
+            if (n > 0) step(none, other, q, v, dt);
+            expect(rbd_actuators_map(a, q, v, angle, speed) == RBD_OK, "map", n);
+            for (int i = 0; i < 2; i++) {
+                rbd_actuator_state s;
+                rbd_actuators_get(a, i, &s);
+                const double wound = (double)s.angle - (double)angle[i], J = 100 * (double)motors[i].inertia;
+                energy += 0.5e-2 * (double)v[i] * (double)v[i] + 0.5 * J * (double)s.speed * (double)s.speed +
+                          0.5 * (double)motors[i].stiffness * wound * wound;
+            }
+            if (n == 0) first = energy;
+            if (n > 0) most = larger(most, (energy - last) / first);
+            last = energy;
+        }
+    }
+    return most;
+}
+
+/* docs/actuators.md says how much that is in float, where torques behind a transmission are rounded. */
+static void check_stiff_coupled(void) {
+    static const double smooth[6] = {1e-5, 1e-5, 1e-5, 1e-5, 1e-4, 1e-3},
+                        dry[6] = {1e-5, 1e-5, 1e-5, 3e-3, 3e-2, 1e-1};
+    for (int power = 0; power < 6; power++) {
+        double gain = stiff_gain(pow(10, power), 0);
+        expect(gain <= bound(1e-12, smooth[power]), "gain of stiff springs behind a matrix", gain);
+        gain = stiff_gain(pow(10, power), 1);
+        expect(gain <= bound(1e-12, dry[power]), "the same with friction", gain);
+    }
+}
+
 /* A shaft that its friction stops within a step settles at once, whatever its speed was. */
 static void check_stopping(void) {
     static const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1, .friction = {.coulomb = 200}};
@@ -598,6 +653,7 @@ int main(void) {
     check_phase();
     check_small_limit();
     check_light_rotors();
+    check_stiff_coupled();
     check_stopping();
     check_other_features();
     printf("%s\n", failures ? "FAILED" : "rbd_actuator.h: ok");
