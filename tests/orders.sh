@@ -166,7 +166,7 @@ if command -v tcc >/dev/null 2>&1; then
 fi
 # The other compilers take a quarter of a second: in C++ with --all each header stands first, and last, and either way round
 # with each other one; else each stands first or last. In C, which tcc compiles above, a few for what they warn of.
-cpp_orders="rdcs csrd kids akdr tkqi" c_orders="csrd tkqi"
+cpp_orders="rdcs csrd kidq akdr tkqi" c_orders="csrd tkqi"
 batches="bb bdb cbdb"
 if [ -n "$all" ]; then
     cpp_orders="rdcs csrd sdrc qkdr kqds ikdr kids akdr kads tkqi qkdt" c_orders="csrd kids akdr tkqi"

@@ -61,7 +61,7 @@ compilers="gcc clang++-19" behind=-fsyntax-only
 if [ -n "${RBD_ALL_TESTS-}" ]; then
     compilers="gcc g++ clang-19 clang++-19" behind=-O0
 else
-    echo "SKIPPED but by ./run test --all: g++ and clang-19"
+    echo "SKIPPED but by ./run test --all: g++ and clang-19, and code of the implementation behind it"
 fi
 for compiler in $compilers; do
     command -v "$compiler" >/dev/null 2>&1 || continue
