@@ -37,8 +37,9 @@
      limits       zero velocity or effort, or lower >= upper: none. A continuous joint has none; those of less
                   than a turn give a warning
      angles       rad. Values that look like degrees, as limits of -90 and 90, give a warning
-     lengths      m, kg, kg m^2. A warning says so of a place 100 m away, but of fixed joints, and of an
-                  inertia as of the mass 20 m from its centre: they look like mm, kg mm^2 or g mm^2
+     units        m, kg, kg m^2. A place 100 m away or more gives a warning that it looks like mm, unless the
+                  joint is fixed; an inertia that the mass would have 20 m from its centre, or farther, one
+                  that it looks like kg mm^2 or g mm^2
      dynamics     damping and friction, and armature = "..." there (kg m^2, or kg), for each degree of
                   freedom
      inertial     without it a link has no mass. A warning says so of one between moving joints that has a
@@ -1276,7 +1277,8 @@ class checked {
         text += "<mass";
         if (!copy(*mass, "value", 1, &x)) fail(RBD_URDF_ERR_INERTIAL, *mass, "<mass> has no value");
         if (x < 0) fail(RBD_URDF_ERR_INERTIAL, *mass, "the mass is negative");
-        const double kilograms = largest = x;
+        const double kilograms = x;
+        largest = x;
         text += "/><inertia";
         for (int i = 0; i < 6; ++i) {
             if (!copy(*inertia, entries[i], 1, &x))

@@ -282,8 +282,8 @@ def _instance(call, name, value, kind):
 def _left_out(where, given, name, default):
     """Refuses a field that this kind of row does not read: it would be lost."""
     value = getattr(given, name)
-    same = value is None if default is None else type(value) is int and value == default
-    if not same:
+    number = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not (value is None if default is None else number and value == default):
         raise ValueError(f"{where}, field '{name}': '{given.kind}' has none, but it is {value!r:.60}")
 
 
