@@ -205,10 +205,14 @@ static void push(int controller, double newtons, outcome *o) {
 
     for (int step = 0; step < STEPS && !o->fell; step++) {
         double wrench[6 * HYQ_NB] = {0};
+        rbd_status status;
         if (step >= 300 && step < 400) wrench[6 * HYQ_BODY_BASE_LINK_0 + 4] = newtons;
 
         o->unsolved += !(controller ? tasks(q, v, forces, tau) : least_forces(q, v, forces, tau));
-        check(rbd_contact_step(&hyq_model, contacts, q, v, tau, wrench, damping, dt, q, v));
+        status = rbd_contact_step(&hyq_model, contacts, q, v, tau, wrench, damping, dt, q, v);
+        if (status == RBD_ERR_NAN) o->fell = step; /* it tumbles, by torques beyond all measure */
+        if (o->fell) break;
+        check(status);
         observe(o, step, q, forces, tau, start);
         if (q[HYQ_Q_ROOT_Z] < 0.6 * home[HYQ_Q_ROOT_Z]) o->fell = step;
     }

@@ -11,6 +11,7 @@
    one field that is NaN, infinite, 1e30 or -1, which is refused by that name. Prints a line. Fails if
    anything is wrong, or if more than one in 5000 steps does not settle. */
 #define RBD_IMPLEMENTATION
+#include "../larger.h"
 #include "rbd_actuator.h"
 #include "rbd_contact.h"
 
