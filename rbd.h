@@ -6047,8 +6047,10 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
 
     /* kinetic energy of the rotors */
     *w->rotors = rbdi_zero();
-    for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
-        *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
+    if (w->moving)
+        for (int i = 0; i < m->nv + rbdi_mimics(m); ++i)
+            *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
+
     w->kinematics_of = m->nl;
     return RBD_OK;
 }

@@ -509,9 +509,11 @@ RBDI_LOCAL rbd_status rbdi_tasks_refuse(rbd_tasks_result *result, rbd_status err
     return error;
 }
 
-/* Whether n numbers are finite and at most `most` in size; NULL stands for none. */
+/* Whether n numbers are from `least` to `most`; NULL stands for none. */
 RBDI_LOCAL int rbdi_tasks_are_within(const rbd_real *x, int n, rbd_const least, rbd_const most) {
-    for (int i = 0; x && i < n; ++i)
+    if (!x) return 1;
+
+    for (int i = 0; i < n; ++i)
         if (!(x[i] >= least && x[i] <= most)) return 0;
     return 1;
 }

@@ -32,7 +32,9 @@ RBDI_PART rbd_status rbdi_est_check_shape(const rbd_model *m, const uint64_t sha
 }
 
 RBDI_PART rbd_status rbdi_est_check_friction(const rbd_joint_friction *f, int n, rbd_estimate_fault *fault) {
-    for (int i = 0; f && i < n; ++i, ++f) {
+    if (!f) return RBD_OK;
+
+    for (int i = 0; i < n; ++i, ++f) {
         if (!rbdi_est_between(f->coulomb, 0, RBDI_EST_LARGE))
             return rbdi_est_fault(fault, RBD_ERR_RANGE, "coulomb", i);
         if (!rbdi_est_between(f->viscous, 0, RBDI_EST_LARGE))
@@ -67,7 +69,8 @@ RBDI_PART rbd_status rbdi_est_check_options(const rbd_estimate_options *o, int n
     if (!rbdi_est_between(o->forgetting, 0, 1) || (o->forgetting > 0 && o->forgetting < RBD_C(0.5)))
         return rbdi_est_fault(fault, RBD_ERR_RANGE, "forgetting", -1);
 
-    for (int i = 0; o->noise && i < nv; ++i)
+    if (!o->noise) return RBD_OK;
+    for (int i = 0; i < nv; ++i)
         if (!rbdi_est_between(o->noise[i], little, RBDI_EST_LARGE))
             return rbdi_est_fault(fault, RBD_ERR_RANGE, "noise", i);
     return RBD_OK;

@@ -145,8 +145,10 @@ RBDI_API rbd_status rbd_observer_step(const rbd_model *m, rbd_work *w, rbd_obser
     if (status) return status;
 
     rbdi_est_observer_commit(o, m->nv, v);
-    for (int i = 0; r && i < m->nv; ++i) r[i] = o->r[i];
-    for (int i = 0; band && i < m->nv; ++i) band[i] = o->band[i];
+    if (r)
+        for (int i = 0; i < m->nv; ++i) r[i] = o->r[i];
+    if (band)
+        for (int i = 0; i < m->nv; ++i) band[i] = o->band[i];
     return RBD_OK;
 }
 
