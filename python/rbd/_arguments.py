@@ -282,7 +282,7 @@ def _instance(call, name, value, kind):
 def _left_out(where, given, name, default):
     """Refuses a field that this kind of row does not read: it would be lost."""
     value = getattr(given, name)
-    same = value is None if default is None else type(value) is int and value == default
+    same = value is None if default is None else isinstance(value, (int, np.integer)) and value is not False and value == default
     if not same:
         raise ValueError(f"{where}, field '{name}': '{given.kind}' has none, but it is {value!r:.60}")
 
@@ -352,7 +352,7 @@ def _whole(call, name, value):
 
 def _flag(call, name, value):
     """True or False."""
-    if isinstance(value, (bool, np.bool_)) or isinstance(value, int) and value in (0, 1):
+    if isinstance(value, (bool, np.bool_)) or isinstance(value, (int, np.integer)) and value in (0, 1):
         return bool(value)
     raise TypeError(f"{call}: {name} must be True or False, not {value!r}")
 
