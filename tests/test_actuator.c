@@ -397,6 +397,26 @@ START_TEST(what_sticks_does_not_chatter) {
 }
 END_TEST
 
+/* Friction that would stop a wheel in a small part of a step is a piece of the law that is 1e-9 rad/s wide, on a
+   way of a million: it is found, and the wheel stops and stays. */
+START_TEST(friction_stops_a_fast_shaft_within_a_step) {
+    uint64_t seed = 11;
+    for (int k = 0; k < 300; k++) {
+        const double dt = steps[k % 3], before = pow(10, uniform(&seed, 3, 5));
+        const rbd_motor motor = {.joint = "axle",
+                                 .gear = 1,
+                                 .constant = 1,
+                                 .friction = {.coulomb = uniform(&seed, 2.1, 20) * before * 0.1 / dt}};
+        driven d = drive_wheel(&motor);
+        d.v[0] = k % 2 ? before : -before;
+        for (int i = 0; i < 3; i++) step(&d, dt);
+        ck_assert_int_eq(d.unsettled, 0);
+        ck_assert_msg(fabs(d.v[0]) <= 1e-14 * before + 1e-9, "%g of %g rad/s are left", d.v[0], before);
+        drive_free(&d);
+    }
+}
+END_TEST
+
 /* In a step of second order the work of a torque is that at the mean speed. A wheel under a constant load
    turns around in many of these steps: its friction takes energy or keeps it, is within its level and, if the
    shaft goes on, all of the level. A wheel on a spring, of the same steps, never gains. */
@@ -3001,6 +3021,7 @@ Suite *actuator_suite(void) {
     tcase_add_loop_test(slow, friction_as_rows_holds_without_creep, 0, LENGTH(steps));
     tcase_add_test(slow, friction_as_rows_is_that_of_the_actuators);
     tcase_add_loop_test(c, what_sticks_does_not_chatter, 0, LENGTH(steps));
+    tcase_add_test(c, friction_stops_a_fast_shaft_within_a_step);
     tcase_add_test(c, friction_takes_energy_where_a_shaft_turns_around);
     tcase_add_test(c, a_motor_has_its_torque_speed_line);
     tcase_add_test(c, the_inverse_says_where_a_limit_cuts);

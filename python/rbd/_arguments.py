@@ -352,7 +352,7 @@ def _whole(call, name, value):
 
 def _flag(call, name, value):
     """True or False."""
-    if isinstance(value, (bool, np.bool_)) or isinstance(value, int) and value in (0, 1):
+    if isinstance(value, (bool, np.bool_)) or isinstance(value, (int, np.integer)) and value in (0, 1):
         return bool(value)
     raise TypeError(f"{call}: {name} must be True or False, not {value!r}")
 

@@ -120,6 +120,9 @@ def _to_c(values, row, where):
         if member == "type":
             row.type = _enumerator(where, JointType, value, "joint type", ("JOINT_TYPES",))
             continue
+        if kind is ctypes.c_int and types.get(member, "bool") == "bool":  # on_body is no field
+            setattr(row, member, _flag(f"{where}, field '{member}'", "it", value))
+            continue
         try:
             if kind is ctypes.c_char_p:
                 value = _utf8(value) if value is not None else None
@@ -136,8 +139,6 @@ def _to_c(values, row, where):
                         raise ValueError("must be whole numbers")
                     numbers = [_int(int(x)) for x in numbers]
                 value = kind(*numbers)
-            elif kind is ctypes.c_int and types.get(member, "bool") == "bool":  # on_body is no field
-                value = _flag(where, f"field '{member}'", value)
             elif kind is ctypes.c_int:
                 if isinstance(value, (bool, np.bool_)) or not hasattr(value, "__index__"):
                     raise TypeError("must be " + ("an index or a name" if member in _BODIES else

@@ -1086,3 +1086,20 @@ def test_without_urdfdom_the_error_says_what_to_do(monkeypatch):
             rbd.parse_urdf(URDF.format(mass=1))
     finally:
         _urdf_library.cache_clear()
+
+
+def test_flags_and_indices_of_numpy(double):
+    """A whole number of numpy, as out of a table, is as good as one of Python; a flag of 2 is named once."""
+    arm = rbd.Model(rbd.load_table(rbd.SOURCES / "models/iiwa.h"), library=double)
+    q, none = arm.random(seed=1), np.zeros(arm.nv)
+    one, zero = np.int64(1), np.uint8(0)
+    assert arm.fd_derivatives(q, none, none, Minv=zero).Minv is None
+    assert arm.actuators([rbd.Motor(joint=arm.joint_names[0], gear=50, constant=0.03, resistance=1, by_voltage=one)])
+    assert rbd.ContactSet(arm, [rbd.Contact(body1=arm.nb - 1, body2=-1)], options=rbd.ContactOptions(joint_limits=one))
+    posture = rbd.Task("posture", body=zero, reference=np.int64(-1), q=q, gain=1)
+    assert rbd.Tasks(arm, [posture]).velocity(q).v.shape == (arm.nv,)
+
+    with pytest.raises(TypeError, match="^contacts: options, field 'joint_limits': it must be True or False, not 2$"):
+        rbd.ContactSet(arm, [rbd.Contact(body1=arm.nb - 1, body2=-1)], options=rbd.ContactOptions(joint_limits=2))
+    with pytest.raises(ValueError, match="'posture' has none, but it is False"):
+        rbd.Tasks(arm, [replace(posture, body=False)]).velocity(q)

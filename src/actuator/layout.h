@@ -36,7 +36,7 @@
 #define RBDI_ACTUATOR_MOST_DELAY 1000
 #define RBDI_ACTUATOR_REPEATS 50        /* of a step: few random robots need more */
 #define RBDI_ACTUATOR_SEARCHES 20       /* beyond one for each shaft */
-#define RBDI_ACTUATOR_HALVINGS 40       /* that find the least value on a way: to 1e-12 of it */
+#define RBDI_ACTUATOR_HALVINGS 55       /* that find the least value on a way: to rounding of double */
 #define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_BEND RBD_C(1e-3)  /* see [laws of shafts]: no steeper than float can compute */
 #define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
