@@ -2866,7 +2866,7 @@ RBDI_LOCAL void rbdi_solve_apart(const rbd_model *m, rbd_contact_set *c, rbd_rea
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->half > 0 ? c->x[RBDI_X_CORRECTED_TWICE] : c->x[RBDI_X_UNCORRECTED], c->nu);
 
-    c->jams = again && first.residual > RBDI_JAMS * asked;
+    c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
     if (c->jams)
         for (int k = 0; k < m->nv; ++k) c->moved[k] = c->nu[k];
 

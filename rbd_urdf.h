@@ -1222,10 +1222,11 @@ class checked {
                              "; made a unit quaternion");
         return q;
     }
-    /* A fixed joint may be as far as a robot in a hall is from the origin. */
+    /* A fixed joint, or one that lets a vehicle go anywhere, may be as far as a robot in a hall is from the
+       origin. */
     void warn_of_millimetres(const element &e, const element &o, const double x[3]) const {
         const str *type = e.attribute("type");
-        if (type && *type == "fixed") return;
+        if (type && (*type == "fixed" || *type == "floating" || *type == "planar")) return;
         if (std::fabs(x[0]) < too_far && std::fabs(x[1]) < too_far && std::fabs(x[2]) < too_far) return;
         warnings.add(RBD_URDF_WARN_UNITS, o.line,
                      who + ": <origin xyz>, " + text_of(x[0]) + " " + text_of(x[1]) + " " + text_of(x[2]) +

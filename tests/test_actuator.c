@@ -397,8 +397,8 @@ START_TEST(what_sticks_does_not_chatter) {
 }
 END_TEST
 
-/* Friction that would stop a wheel in a small part of a step is a piece of the law that is 1e-9 rad/s wide, on a
-   way of a million: it is found, and the wheel stops and stays. */
+/* Friction that would stop a wheel in a small part of a step is a piece of the law that is 1e-9 rad/s wide,
+   on a way of a million: it is found, and the wheel stops and stays. */
 START_TEST(friction_stops_a_fast_shaft_within_a_step) {
     uint64_t seed = 11;
     for (int k = 0; k < 300; k++) {

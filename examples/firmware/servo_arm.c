@@ -10,7 +10,7 @@
 #include "models/iiwa_model.h"
 #include "../larger.h"
 
-enum { NV = IIWA_NV, TICKS = 500, MOST_INSTRUCTIONS = 1500 };
+enum { NV = IIWA_NV, TICKS = 500, MOST_INSTRUCTIONS = 2000 };
 static const rbd_real period = 1e-3f;
 
 /* In flash. Shoulder, elbow and wrist; joint 7 is weaker. */
