@@ -62,10 +62,10 @@
    PC in double, the mean of 400, with -march=native (AVX-512) and without. More in docs/qp.md:
 
                                               instructions    native   without
-     12 forces, 28 rows, few limits reached         37,533       3.0       3.3
-     the same, many                                 96,860       8.0       8.9
-     18 accelerations too, 46 rows, few            118,496       8.7      10.1
-     the same, many                                204,400      13.6      16.5
+     12 forces, 28 rows, few limits reached         37,685       3.0       3.3
+     the same, many                                 97,040       8.0       8.9
+     18 accelerations too, 46 rows, few            118,976       8.7      10.1
+     the same, many                                204,902      13.6      16.5
 */
 
 /* ==== src/api/configuration.h ==== */
