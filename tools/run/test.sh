@@ -10,7 +10,7 @@ test_options='compilers coverage firmware machines format site web browser'
 heavy_suites='packages firmware machines web'
 
 # Processor time from nothing, in seconds, of the tests, of --light and of --all, on a Xeon in November 2026 whose two cores
-# are threads of one: alone, each is a third faster.
+# are threads of one; where they are cores of their own, each is faster.
 seconds_of() {
     case $1 in light) echo 520 ;; all) echo 2000 ;; *) echo 605 ;; esac
 }
