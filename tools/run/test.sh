@@ -9,8 +9,8 @@ test_options='compilers coverage firmware machines format site web browser'
 # The suites of meson.build that --light leaves out.
 heavy_suites='packages firmware machines web'
 
-# Processor time from nothing, in seconds, of the tests, of --light and of --all, on a Xeon in November 2026 whose two cores
-# are threads of one; where they are cores of their own, each is faster.
+# Processor time from nothing, in seconds, of the tests, of --light and of --all, on two cores of a
+# Xeon in November 2026.
 seconds_of() {
     case $1 in light) echo 520 ;; all) echo 2000 ;; *) echo 605 ;; esac
 }
