@@ -3009,7 +3009,8 @@ RBDI_CODE_BEGIN
 /* Parts of the memory for derivatives, behind c->sigma: M, later G; two matrices; two for columns that the
    caller does not want; derivatives of J nu without impulses, a row for each contact, by three x. */
 RBDI_LOCAL rbd_real *rbdi_side(const rbd_model *m, const rbd_contact_set *c, int k) {
-    const int nv = m->nv, shared = RBDI_CONTACT_SHARED(nv, c->max_rows);
+    const int nv = m->nv;
+    const int shared = RBDI_CONTACT_SHARED(nv, c->max_rows);
     return c->sigma + c->max_rows * nv + (k > 0 ? shared + (k - 1) * nv * nv : 0);
 }
 
@@ -3106,11 +3107,17 @@ typedef struct rbdi_row_factors {
 
    By q the place moves over the body by its roll, and r by n (n . s): together by z x r. */
 RBDI_LOCAL void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
-    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, n = pair->normal;
-    const rbdi_v3 z = by->S.omega, dw = by->velocity_q.omega;
-    const rbdi_v3 across = rbdi_cross(omega, r), shift = rbdi_cross(z, r), turn = rbdi_cross(omega, n);
-    const rbd_real rate = rbdi_dot(n, pair->motion.velocity.v), rate_q = rbdi_dot(n, by->velocity_q.v),
-                   rate_v = rbdi_dot(n, by->S.v);
+    const rbdi_v3 omega = pair->motion.velocity.omega;
+    const rbdi_v3 r = pair->roll_radius;
+    const rbdi_v3 n = pair->normal;
+    const rbdi_v3 z = by->S.omega;
+    const rbdi_v3 dw = by->velocity_q.omega;
+    const rbdi_v3 across = rbdi_cross(omega, r);
+    const rbdi_v3 shift = rbdi_cross(z, r);
+    const rbdi_v3 turn = rbdi_cross(omega, n);
+    const rbd_real rate = rbdi_dot(n, pair->motion.velocity.v);
+    const rbd_real rate_q = rbdi_dot(n, by->velocity_q.v);
+    const rbd_real rate_v = rbdi_dot(n, by->S.v);
 
     by->rate_q.v = rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, rbdi_roll(pair, by->S));
     by->rate_q.v = rbdi_cross_add(by->rate_q.v, dw, across);

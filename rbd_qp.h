@@ -2831,7 +2831,8 @@ RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
 /* result.primal of x and lambda, by the values of the rows: of each row the miss, or where it pushes the
    distance from the side, as a share of its terms. */
 RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    const rbd_real furthest = rbdi_qp_largest(x, s->n), of_zero = rbdi_qp_size(s, x);
+    const rbd_real furthest = rbdi_qp_largest(x, s->n);
+    const rbd_real of_zero = rbdi_qp_size(s, x);
 
     s->result.primal = 0;
     for (int k = 0; k < s->n; ++k) s->reach[k] = 1;

@@ -240,7 +240,8 @@ RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd
     const int sticks = s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0);
     const rbd_real creep = sticks ? RBDI_ACTUATOR_CREEP * (1 + s->scale) : rbdi_zero();
     const rbd_real rounding = a->speed_rounding + rbdi_act_speed_rounding(s);
-    const rbd_real slower = x - rounding, faster = x + rounding;
+    const rbd_real slower = x - rounding;
+    const rbd_real faster = x + rounding;
     rbd_real least, most;
     if (!sticks) {
         least = rbdi_act_law_at(m, s, faster, a);

@@ -26,7 +26,8 @@
 /* Parts of the memory for derivatives, behind c->sigma: M, later G; two matrices; two for columns that the
    caller does not want; derivatives of J nu without impulses, a row for each contact, by three x. */
 RBDI_LOCAL rbd_real *rbdi_side(const rbd_model *m, const rbd_contact_set *c, int k) {
-    const int nv = m->nv, shared = RBDI_CONTACT_SHARED(nv, c->max_rows);
+    const int nv = m->nv;
+    const int shared = RBDI_CONTACT_SHARED(nv, c->max_rows);
     return c->sigma + c->max_rows * nv + (k > 0 ? shared + (k - 1) * nv * nv : 0);
 }
 

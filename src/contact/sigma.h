@@ -19,11 +19,17 @@ typedef struct rbdi_row_factors {
 
    By q the place moves over the body by its roll, and r by n (n . s): together by z x r. */
 RBDI_LOCAL void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
-    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, n = pair->normal;
-    const rbdi_v3 z = by->S.omega, dw = by->velocity_q.omega;
-    const rbdi_v3 across = rbdi_cross(omega, r), shift = rbdi_cross(z, r), turn = rbdi_cross(omega, n);
-    const rbd_real rate = rbdi_dot(n, pair->motion.velocity.v), rate_q = rbdi_dot(n, by->velocity_q.v),
-                   rate_v = rbdi_dot(n, by->S.v);
+    const rbdi_v3 omega = pair->motion.velocity.omega;
+    const rbdi_v3 r = pair->roll_radius;
+    const rbdi_v3 n = pair->normal;
+    const rbdi_v3 z = by->S.omega;
+    const rbdi_v3 dw = by->velocity_q.omega;
+    const rbdi_v3 across = rbdi_cross(omega, r);
+    const rbdi_v3 shift = rbdi_cross(z, r);
+    const rbdi_v3 turn = rbdi_cross(omega, n);
+    const rbd_real rate = rbdi_dot(n, pair->motion.velocity.v);
+    const rbd_real rate_q = rbdi_dot(n, by->velocity_q.v);
+    const rbd_real rate_v = rbdi_dot(n, by->S.v);
 
     by->rate_q.v = rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, rbdi_roll(pair, by->S));
     by->rate_q.v = rbdi_cross_add(by->rate_q.v, dw, across);
